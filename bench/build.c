@@ -10,6 +10,7 @@
  * of ours and of what rtcBuildBVH makes, and rays per second of our kernels through either, on one
  * core by the processor's clock. High quality has as many spare references as ours; its calls back
  * for each split make it so slow that it is built once, up to 500 000 triangles;
+ *   - the nodes and leaves that the rays of the benchmarks test in either, one by one;
  *   - bytes per triangle, against Embree's robust scene of high quality.
  */
 #include <math.h>
@@ -17,6 +18,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "steps.h"
 #include "workload.h"
 
 enum { MEDIUM, HIGH, QUALITIES };
@@ -26,7 +28,8 @@ static const enum RTCBuildQuality qualities[QUALITIES] = {RTC_BUILD_QUALITY_MEDI
 static const char *const quality_names[QUALITIES] = {"medium", "high"};
 
 typedef struct means {
-    bench_mean builder, commit[QUALITIES], cost[QUALITIES], rays[QUALITIES], bytes;
+    bench_mean builder, commit[QUALITIES], cost[QUALITIES], steps[QUALITIES], rays[QUALITIES],
+        bytes;
 } means;
 
 /* --- Embree's builder
@@ -343,6 +346,22 @@ static mcv_result bench_seconds_of(mesh_bench *m) {
     return MCV_OK;
 }
 
+/* What a ray tests, in ours and in what Embree's builders make. */
+static void bench_steps(mesh_bench *m, int built, int kind) {
+    const mcv_bvh *bvhs[1 + QUALITIES] = {&m->ours.made, &m->builders[MEDIUM].made,
+                                          &m->builders[HIGH].made};
+    const steps ours = steps_count(bvhs[0], m->rays->rays[kind], m->rays->count, false);
+    for (int q = 0; q < built; ++q) {
+        const steps theirs = steps_count(bvhs[1 + q], m->rays->rays[kind], m->rays->count, false);
+        bench_mean_add(&m->means->steps[q],
+                       bench_number(m->b, ours.nodes + ours.leaves, theirs.nodes + theirs.leaves,
+                                    "steps/ray", "%s, closest %s, rtcBuildBVH %s", m->w->name,
+                                    ray_kind_names[kind], quality_names[q]));
+        bench_more(m->b, "leaves", ours.leaves);
+        bench_more(m->b, "peer_leaves", theirs.leaves);
+    }
+}
+
 /* The same rays through all hierarchies, whose hits agree to the last bit. */
 static mcv_result bench_rays(mesh_bench *m, int built, int kind) {
     cast casts[1 + QUALITIES];
@@ -398,9 +417,12 @@ static mcv_result bench_opened(mesh_bench *m, RTCDevice device) {
                  "%s, Embree robust high", m->w->name);
     bench_mean_add(&m->means->bytes, bytes_of(&m->ours.made) / triangles);
     for (int i = 0; i <= built; ++i)
-        MCV_TRY(caster_open(m->core, t->triangle_count, bvhs[i], m->casters + i, m->error));
+        MCV_TRY(caster_open(m->core, bvhs[i], m->casters + i, m->error));
     workload_make_rays(m->b, t, m->scenes[HIGH], m->others, m->rays);
-    for (int kind = 0; kind < RAY_KINDS; ++kind) MCV_TRY(bench_rays(m, built, kind));
+    for (int kind = 0; kind < RAY_KINDS; ++kind) {
+        bench_steps(m, built, kind);
+        MCV_TRY(bench_rays(m, built, kind));
+    }
     return MCV_OK;
 }
 
@@ -452,6 +474,8 @@ static mcv_result run(bench *b, mcv_error *error) {
     bench_summary(b, "builder_medium", bench_mean_value(&all.builder));
     bench_summary(b, "sah_cost_medium", bench_mean_value(&all.cost[MEDIUM]));
     bench_summary(b, "sah_cost_high", bench_mean_value(&all.cost[HIGH]));
+    bench_summary(b, "steps_medium", bench_mean_value(&all.steps[MEDIUM]));
+    bench_summary(b, "steps_high", bench_mean_value(&all.steps[HIGH]));
     bench_summary(b, "rays_medium", bench_mean_value(&all.rays[MEDIUM]));
     bench_summary(b, "rays_high", bench_mean_value(&all.rays[HIGH]));
     bench_summary(b, "bytes_per_triangle", bench_mean_value(&all.bytes));

@@ -76,17 +76,17 @@ drive_options drive_defaults(uint32_t schedule) {
 }
 
 /*
- * All that has no cost where it is not met. Precision, whether rays take turns, pupils aim, paths
+ * All that has no cost where it is not met. Precision, whether pupils aim, paths
  * split, roulette is early, light paths are traced and emitters are weighed at each surface is a
  * choice, not an element; an environment's image and emitters there must be to look for; in glass
  * that disperses a path follows one channel only.
  */
 static uint32_t all_features(const mcv_packed *packed) {
-    const uint32_t not_elements =
-        1u << MCV_FEATURE_INTERLEAVE | 1u << MCV_FEATURE_AIM | 1u << MCV_FEATURE_LIGHT_TRACING |
-        1u << MCV_FEATURE_ENVIRONMENT_IMAGE | 1u << MCV_FEATURE_DISPERSION |
-        1u << MCV_FEATURE_REACH | 1u << MCV_FEATURE_SPLIT | 1u << MCV_FEATURE_EARLY_ROULETTE |
-        1u << MCV_FEATURE_MIXED;
+    const uint32_t not_elements = 1u << MCV_FEATURE_AIM | 1u << MCV_FEATURE_LIGHT_TRACING |
+                                  1u << MCV_FEATURE_ENVIRONMENT_IMAGE |
+                                  1u << MCV_FEATURE_DISPERSION | 1u << MCV_FEATURE_REACH |
+                                  1u << MCV_FEATURE_SPLIT | 1u << MCV_FEATURE_EARLY_ROULETTE |
+                                  1u << MCV_FEATURE_MIXED;
     uint32_t features = ((1u << MCV_FEATURE_COUNT) - 1) & ~not_elements;
     if (packed->emitter_count == 0)
         features &= ~(1u << MCV_FEATURE_NEXT_EVENT | 1u << MCV_FEATURE_RECTANGLE);

@@ -14,7 +14,8 @@ enum { REFERENCE_REPLICATES = 16, REFERENCE_FACTOR = 64, REFERENCE_SEED = 100000
  * ------------------------------------------------------------------------------------------------------
  */
 
-mcv_result peer_open(const char *variant, const char *mesh_path, peer *p, mcv_error *error) {
+mcv_result peer_open(const char *variant, const char *mesh_path, const char *folder, peer *p,
+                     mcv_error *error) {
     int to[2], from[2];
     if (pipe2(to, O_CLOEXEC) != 0 || pipe2(from, O_CLOEXEC) != 0)
         return mcv_fail(error, MCV_FAILED, "no pipe to Mitsuba");
@@ -23,7 +24,7 @@ mcv_result peer_open(const char *variant, const char *mesh_path, peer *p, mcv_er
     if (p->process == 0) {
         dup2(to[0], STDIN_FILENO);
         dup2(from[1], STDOUT_FILENO);
-        execl(PYTHON, PYTHON, MCV_SOURCE_DIR "/bench/render_peer.py", variant, mesh_path,
+        execl(PYTHON, PYTHON, MCV_SOURCE_DIR "/bench/render_peer.py", variant, mesh_path, folder,
               (char *)NULL);
         _exit(127);
     }
@@ -68,9 +69,10 @@ static mcv_result our_image(const image_maker *m, uint32_t replicates, mcv_film 
     options.replicates = replicates;
     options.last = m->samples;
     options.seed = m->seed;
-    options.depth = SURFACES;
+    options.depth = m->surfaces ? m->surfaces : SURFACES;
     if (m->is_random) options.sampler = MCV_SAMPLER_RANDOM;
     options.no_light_paths = options.no_split = m->is_single;
+    options.light_pilot = !m->is_single && replicates == m->replicates;
     options.adaptive = m->is_adaptive && replicates == m->replicates; /* not the truth */
     return mcv_renderer_render(m->renderer, m->scene, 0, &options, film, &stats, error);
 }
@@ -100,7 +102,8 @@ double rmse_of(const image_maker *m) { return sqrt(fmax(m->squares / m->images, 
  */
 
 mcv_result make_truth(image_maker maker, mcv_film *film, mcv_error *error) {
-    maker.samples = maker.samples * REFERENCE_FACTOR / REFERENCE_REPLICATES;
+    const uint32_t factor = maker.truth_factor ? maker.truth_factor : REFERENCE_FACTOR;
+    maker.samples = maker.samples * factor / REFERENCE_REPLICATES;
     maker.seed = REFERENCE_SEED;
     if (!maker.peer) return our_image(&maker, REFERENCE_REPLICATES, film, error);
     MCV_TRY(mcv_film_new(film, maker.pixels, maker.pixels, 3, REFERENCE_REPLICATES, error));

@@ -16,7 +16,8 @@ typedef struct peer {
     FILE *to, *from;
     pid_t process;
 } peer;
-mcv_result peer_open(const char *variant, const char *mesh_path, peer *p, mcv_error *error);
+mcv_result peer_open(const char *variant, const char *mesh_path, const char *folder, peer *p,
+                     mcv_error *error);
 void peer_close(peer *p);
 
 typedef struct image_maker {
@@ -27,6 +28,8 @@ typedef struct image_maker {
     bool is_random; /* numbers in place of Sobol' points */
     bool is_single; /* a sample is one path: no branches, no light paths */
     bool is_adaptive;
+    uint32_t surfaces;     /* that a path may meet; 0: 32 */
+    uint32_t truth_factor; /* times the samples has the truth; 0: 64 */
     uint32_t replicates;   /* of ours */
     const mcv_film *truth; /* of its own renderer */
     double truth_variance; /* of a value, on average */
@@ -42,7 +45,7 @@ mcv_result make_film(const image_maker *m, mcv_film *film, mcv_error *error);
 mcv_result make_image(void *user, mcv_error *error);
 double rmse_of(const image_maker *m);
 
-/* Of 64 times the samples in 16 replicates. */
+/* In 16 replicates. */
 mcv_result make_truth(image_maker maker, mcv_film *film, mcv_error *error);
 
 /* Of a value of a film, on average. */

@@ -1,14 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
-"""render_peer.py VARIANT [MESH.ply]: Mitsuba 3 for bench_render, which writes lines `PIXELS INTEGRATOR SAMPLER SAMPLES SEED SCENE` to its
-standard input and reads each image as doubles, [channel][row][column]. A scene is loaded once for each size, integrator and sampler."""
+"""render_peer.py VARIANT [MESH.ply FOLDER]: Mitsuba 3 for bench_render, which writes lines `PIXELS INTEGRATOR SAMPLER SAMPLES SEED SCENE` to its
+standard input and reads each image as doubles, [channel][row][column]. A scene is loaded once for each size, integrator and
+sampler. mesh_scenes.py has written its scenes to FOLDER by the time they are asked for."""
 
 import functools
 import os
 import pathlib
 import sys
 
-sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "tests"))
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent.parent / "tests" / "peers"))
 
+import mesh_scenes
 import mitsuba_peer  # sets the variant
 import mitsuba as mi
 import numpy
@@ -18,10 +20,13 @@ SCENES = mitsuba_peer.cases(coloured=True, mesh=sys.argv[2] if len(sys.argv) > 2
 
 @functools.cache
 def load(name, pixels, integrator, sampler):
-    scene = dict(SCENES[name], type="scene", sensor=mitsuba_peer.sensor(name, pixels, 16, sampler, "rgb"))
     # As many surfaces as bench_render allows, and Russian roulette as Mitsuba does it unless told otherwise.
-    scene["integrator"] = {"type": integrator, "max_depth": 32}
-    return mi.load_dict(scene)
+    if name in mesh_scenes.SCENES:
+        scene, sensor, depth = mesh_scenes.case(sys.argv[3], name)
+        sensor |= mitsuba_peer.sensor_base(pixels, 16, sampler, "rgb")
+    else:
+        scene, sensor, depth = dict(SCENES[name]), mitsuba_peer.sensor(name, pixels, 16, sampler, "rgb"), 32
+    return mi.load_dict(scene | {"type": "scene", "sensor": sensor, "integrator": {"type": integrator, "max_depth": depth}})
 
 
 def main():

@@ -7,8 +7,8 @@
  *   - seconds, items and bytes of path state of each stage, in the tile schedule (ticks of the
  * processor, kernels/schedule/clock.h) and as its peer in the stream schedule (one launch a stage);
  *   - the rays of that launch, taken from the stream schedule, in the order and the way
- * (kernels/traverse/policy.h) of the tile schedule, through kernels/test/intersect.cl and nothing
- * else: rays per second as the peer of the stages that intersect;
+ * (kernels/traverse/trace_packet.h) of the tile schedule, through kernels/test/intersect.cl and
+ * nothing else: rays per second as the peer of the stages that intersect;
  *   - the second half of a render of eight samples, which begins those very paths, with all that
  * the host does then: its rays per second over those of the bare traversal are the share of the
  * time that the render has for what it is about. All cores.
@@ -302,11 +302,8 @@ static const char *const kernel_names[KINDS] = {"closest_many", "closest_many", 
 
 static mcv_result replay_open(const drive *d, const ray_list lists[KINDS], replay *r,
                               mcv_error *error) {
-    char way[32];
-    snprintf(way, sizeof way, "-DMCV_WITH_INTERLEAVE=%u",
-             d->device.packed.features >> MCV_FEATURE_INTERLEAVE & 1);
     *r = (replay){.cl = d->cl, .scene = &d->device};
-    MCV_TRY(mcv_cl_build(r->cl, "test/intersect", way, &r->program, error));
+    MCV_TRY(mcv_cl_build(r->cl, "test/intersect", "", &r->program, error));
     for (int k = 0; k < KINDS; ++k) {
         r->counts[k] = (cl_uint)lists[k].count;
         MCV_TRY(mcv_cl_kernel(r->program, kernel_names[k], &r->kernels[k], error));

@@ -8,13 +8,11 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "mcvisi/sampling.h"
 #include "mcvisi/accel.h"
 #include "scene/scene.h"
 #include "scene/geometry.h"
+#include "cad_mesh.h"
 #include "loader/load.h"
-
-const char *const ray_kind_names[RAY_KINDS] = {"primary", "diffuse", "random"};
 
 /* --- meshes
  * -----------------------------------------------------------------------------------------------------
@@ -22,13 +20,14 @@ const char *const ray_kind_names[RAY_KINDS] = {"primary", "diffuse", "random"};
 
 static const struct {
     const char *name;
-    uint32_t squares; /* of a sphere's side; 0: the assembly */
-    bool quick;
-} meshes[WORKLOAD_MESHES] = {{"sphere 10k", 29, true},
-                             {"sphere 69k", 76, true},
-                             {"sphere 300k", 158, false},
-                             {"sphere 1998k", 408, false},
-                             {"CAD 121k", 0, true}};
+    uint32_t squares;         /* of a sphere's side */
+    uint32_t segments, bores; /* of a machined part; neither: the assembly */
+    bool even, quick;
+} meshes[WORKLOAD_MESHES] = {
+    {"sphere 10k", 29, 0, 0, false, true},    {"sphere 69k", 76, 0, 0, false, true},
+    {"sphere 300k", 158, 0, 0, false, false}, {"sphere 1998k", 408, 0, 0, false, false},
+    {"CAD 121k", 0, 0, 0, false, true},       {"slivers 17k", 0, 24, 6, false, true},
+    {"slivers 450k", 0, 64, 20, false, true}, {"even 500k", 0, 24, 14, true, false}};
 
 bool workload_wanted(const bench *b, int i) {
     return b->only ? strstr(meshes[i].name, b->only) != NULL : meshes[i].quick || !b->quick;
@@ -66,88 +65,13 @@ static mcv_result load_assembly(mesh *m, mcv_error *error) {
 
 mcv_result workload_load(int i, workload_mesh *made, mcv_error *error) {
     snprintf(made->name, sizeof made->name, "%s", meshes[i].name);
-    if (meshes[i].squares == 0) return load_assembly(&made->mesh, error);
-    made->mesh = mesh_sphere(meshes[i].squares, 0.1);
+    if (meshes[i].segments)
+        made->mesh = cad_mesh(meshes[i].segments, meshes[i].bores, meshes[i].even);
+    else if (meshes[i].squares)
+        made->mesh = mesh_sphere(meshes[i].squares, 0.1);
+    else
+        return load_assembly(&made->mesh, error);
     return MCV_OK;
-}
-
-/* --- rays
- * -------------------------------------------------------------------------------------------------------
- */
-
-/* The pixels of a square image in Morton order. */
-static void make_primary(uint32_t side, batch_ray *rays) {
-    for (uint32_t i = 0; i < side * side; ++i) {
-        uint32_t x = 0, y = 0;
-        for (int bit = 0; bit < 16; ++bit) {
-            x |= (i >> 2 * bit & 1) << bit;
-            y |= (i >> (2 * bit + 1) & 1) << bit;
-        }
-        const float at[2] = {((float)x + 0.5f) / (float)side - 0.5f,
-                             ((float)y + 0.5f) / (float)side - 0.5f};
-        rays[i] = (batch_ray){{0.3f, 0.4f, 3.0f}, INFINITY, {1.1f * at[0], 1.1f * at[1], -1.0f}, 0};
-    }
-}
-
-static void make_diffuse(const mesh *m, uint32_t count, const batch_ray *primary,
-                         const mcv_hit *hits, batch_ray *rays) {
-    uint64_t seed = 1;
-    for (uint32_t i = 0; i < count; ++i) {
-        mcv_hit hit = hits[i];
-        mcv_vec3 p[3], normal;
-        /* A primary ray that misses is replaced by a point of any triangle that has an area. */
-        for (;;) {
-            if (hit.triangle == MCV_NONE) {
-                hit.triangle = (uint32_t)(random_bits(&seed) % m->triangle_count);
-                hit.u = 0.5f * (float)random_unit(&seed);
-                hit.v = 0.5f * (float)random_unit(&seed);
-            }
-            for (int k = 0; k < 3; ++k) {
-                const float *q =
-                    m->positions + 3 * (size_t)m->indices[3 * (size_t)hit.triangle + k];
-                p[k] = mcv_vec(q[0], q[1], q[2]);
-            }
-            normal = mcv_normalize(mcv_cross(mcv_sub(p[1], p[0]), mcv_sub(p[2], p[0])));
-            if (mcv_dot(normal, normal) > 0.5f) break;
-            hit.triangle = MCV_NONE;
-        }
-        const mcv_vec3 incoming =
-            mcv_vec(primary[i].direction[0], primary[i].direction[1], primary[i].direction[2]);
-        if (mcv_dot(normal, incoming) > 0.0f) normal = mcv_scale(normal, -1.0f);
-        /* Half of them towards the inside, as into glass: outside a sphere most bounces would leave
-         * the scene. */
-        if (i % 2) normal = mcv_scale(normal, -1.0f);
-        const mcv_vec3 d = mcv_from_frame(
-            mcv_sample_cosine((float)random_unit(&seed), (float)random_unit(&seed)), normal);
-        /* Far enough from the surface that Embree, which has no error bounds, does not hit it
-         * again. */
-        mcv_vec3 o = mcv_scale(p[0], 1.0f - hit.u - hit.v);
-        o = mcv_along(mcv_along(o, hit.u, p[1]), hit.v, p[2]);
-        o = mcv_along(o, 1e-4f, normal);
-        rays[i] = (batch_ray){{o.x, o.y, o.z}, INFINITY, {d.x, d.y, d.z}, 0};
-    }
-}
-
-static void make_random(uint32_t count, batch_ray *rays) {
-    uint64_t seed = 2;
-    for (uint32_t i = 0; i < count; ++i) {
-        rays[i].t_max = INFINITY;
-        for (int k = 0; k < 3; ++k) rays[i].origin[k] = (float)(2.4 * random_unit(&seed) - 1.2);
-        for (int k = 0; k < 3; ++k)
-            rays[i].direction[k] = (float)(2.4 * random_unit(&seed) - 1.2) - rays[i].origin[k];
-    }
-}
-
-void workload_make_rays(const bench *b, const mesh *m, RTCScene scene, mcv_hit *hits,
-                        workload_rays *made) {
-    const uint32_t side = b->quick ? 128 : 512;
-    made->count = side * side;
-    make_primary(side, made->rays[PRIMARY]);
-    mcv_error error; /* one thread is there already */
-    (void)embree_run(&(embree_cast){scene, made->rays[PRIMARY], made->count, 1, false, hits, NULL},
-                     &error);
-    make_diffuse(m, made->count, made->rays[PRIMARY], hits, made->rays[DIFFUSE]);
-    make_random(made->count, made->rays[RANDOM]);
 }
 
 double share_that_differs(const mcv_hit *a, const mcv_hit *b, uint32_t count) {
@@ -164,13 +88,10 @@ double share_that_differs(const mcv_hit *a, const mcv_hit *b, uint32_t count) {
  * -------------------------------------------------------------------------------------------------------
  */
 
-mcv_result caster_open(mcv_cl *cl, uint32_t triangle_count, const mcv_bvh *bvh, caster *c,
-                       mcv_error *error) {
+mcv_result caster_open(mcv_cl *cl, const mcv_bvh *bvh, caster *c, mcv_error *error) {
     static const char *const names[CASTER_KERNELS] = {"closest_many", "any_many"};
-    char way[32];
     *c = (caster){.cl = cl};
-    snprintf(way, sizeof way, "-DMCV_WITH_INTERLEAVE=%d", triangle_count >= MCV_MANY_TRIANGLES);
-    MCV_TRY(mcv_cl_build(cl, "test/intersect", way, &c->program, error));
+    MCV_TRY(mcv_cl_build(cl, "test/intersect", "", &c->program, error));
     for (int i = 0; i < CASTER_KERNELS; ++i)
         MCV_TRY(mcv_cl_kernel(c->program, names[i], &c->kernels[i], error));
     MCV_TRY(mcv_cl_buffer(cl, "the nodes", bvh->node_count * sizeof *bvh->nodes, bvh->nodes,
@@ -265,6 +186,44 @@ static void cast_any(const embree_cast *c, uint32_t first, uint32_t last) {
     }
 }
 
+#define PACKETS(WIDTH) \
+    static void cast_packets##WIDTH(const embree_cast *c) { \
+        struct RTCIntersectContext context; \
+        rtcInitIntersectContext(&context); \
+        for (uint32_t first = 0; first < c->count; first += WIDTH) { \
+            __attribute__((aligned(64))) int valid[WIDTH]; \
+            struct RTCRayHit##WIDTH q; \
+            memset(&q, 0, sizeof q); \
+            for (uint32_t k = 0; k < WIDTH; ++k) { \
+                valid[k] = first + k < c->count ? -1 : 0; \
+                const batch_ray *r = c->rays + first + (valid[k] ? k : 0); \
+                q.ray.org_x[k] = r->origin[0]; \
+                q.ray.org_y[k] = r->origin[1]; \
+                q.ray.org_z[k] = r->origin[2]; \
+                q.ray.dir_x[k] = r->direction[0]; \
+                q.ray.dir_y[k] = r->direction[1]; \
+                q.ray.dir_z[k] = r->direction[2]; \
+                q.ray.tfar[k] = r->t_max; \
+                q.ray.mask[k] = ~0u; \
+                q.hit.geomID[k] = RTC_INVALID_GEOMETRY_ID; \
+            } \
+            if (c->any) \
+                rtcOccluded##WIDTH(valid, c->scene, &context, &q.ray); \
+            else \
+                rtcIntersect##WIDTH(valid, c->scene, &context, &q); \
+            for (uint32_t k = 0; k < WIDTH && valid[k]; ++k) { \
+                const bool hit = q.hit.geomID[k] != RTC_INVALID_GEOMETRY_ID; \
+                if (c->any) \
+                    c->found[first + k] = q.ray.tfar[k] < 0.0f; \
+                else \
+                    c->hits[first + k] = (mcv_hit){q.ray.tfar[k], q.hit.u[k], q.hit.v[k], \
+                                                   hit ? q.hit.primID[k] : MCV_NONE}; \
+            } \
+        } \
+    }
+PACKETS(8)
+PACKETS(16)
+
 /* Slices as large as ours, taken by whichever thread is free. */
 typedef struct embree_work {
     const embree_cast *cast;
@@ -285,6 +244,10 @@ static void *take_slices(void *user) {
 mcv_result embree_run(void *user, mcv_error *error) {
     enum { MOST_THREADS = 1024 };
     embree_work work = {.cast = user};
+    if (work.cast->width > 1) {
+        (work.cast->width == 8 ? cast_packets8 : cast_packets16)(work.cast);
+        return MCV_OK;
+    }
     const uint32_t threads = work.cast->threads < MOST_THREADS ? work.cast->threads : MOST_THREADS;
     pthread_t handles[MOST_THREADS];
     uint32_t started = 1;

@@ -10,9 +10,9 @@
 #include "mesh.h"
 #include "rays.h"
 
-/* Bumpy spheres of 10, 69, 300 and 1998 thousand triangles and the CAD assembly, about the cube
- * [-1, 1]³. */
-enum { WORKLOAD_MESHES = 5 };
+/* Bumpy spheres of 10, 69, 300 and 1998 thousand triangles, the CAD assembly, and machined parts
+ * (cad_mesh.h) of slivers and of even triangles, about the cube [-1, 1]³. */
+enum { WORKLOAD_MESHES = 8 };
 typedef struct workload_mesh {
     char name[32];
     mesh mesh;
@@ -25,11 +25,13 @@ mcv_result workload_load(int i, workload_mesh *made, mcv_error *error);
 bool workload_wanted(const bench *b, int i);
 
 /*
- * Primary rays from a camera outside, in the order of the renderer's tiles; diffuse ones from the
- * points that those hit, in cosine-distributed directions, half of them into the inside; random
- * ones between points of the bounding cube.
+ * Primary rays from a camera outside, in the order of the renderer's tiles: diffuse ones from the
+ * points that those hit, in cosine-distributed directions, half of them into the inside; glossy
+ * ones, reflected by facets whose slopes spread by 0.3; random ones between points of the bounding
+ * cube. The diffuse ones' next bounces are `later`. Shadow rays lead from the points that the
+ * primary ones hit to a ring of light around the camera.
  */
-enum { PRIMARY, DIFFUSE, RANDOM, RAY_KINDS };
+enum { PRIMARY, DIFFUSE, GLOSSY, LATER, SHADOW, RANDOM, RAY_KINDS };
 extern const char *const ray_kind_names[RAY_KINDS];
 enum { MOST_RAYS = 512 * 512 };
 typedef struct workload_rays {
@@ -37,13 +39,13 @@ typedef struct workload_rays {
     batch_ray rays[RAY_KINDS][MOST_RAYS];
 } workload_rays;
 
-/* Of a mesh as its surfaces were diffuse. `hits` are room for those of the primary rays, by Embree.
- */
+/* Of a mesh as its surfaces were diffuse, or glossy. `hits` are room for those of primary and
+ * diffuse rays, by Embree. */
 void workload_make_rays(const bench *b, const mesh *m, RTCScene scene, mcv_hit *hits,
                         workload_rays *made);
 
 /* Ours: a hierarchy on a device and the kernels of kernels/test/intersect.cl, those that the
- * renderer would take for so many triangles. */
+ * renderer would take. */
 enum { CLOSEST_MANY, ANY_MANY, CASTER_KERNELS };
 typedef struct caster {
     mcv_cl *cl;
@@ -52,8 +54,7 @@ typedef struct caster {
     cl_mem nodes, leaves, rays, out;
     cl_uint count; /* of the rays */
 } caster;
-mcv_result caster_open(mcv_cl *cl, uint32_t triangle_count, const mcv_bvh *bvh, caster *c,
-                       mcv_error *error);
+mcv_result caster_open(mcv_cl *cl, const mcv_bvh *bvh, caster *c, mcv_error *error);
 void caster_close(caster *c);
 mcv_result caster_take(caster *c, const batch_ray *rays, uint32_t count, mcv_error *error);
 
@@ -70,7 +71,7 @@ RTCScene embree_scene(RTCDevice device, const mesh *m, enum RTCSceneFlags flags,
 typedef struct embree_cast {
     RTCScene scene;
     const batch_ray *rays;
-    uint32_t count, threads;
+    uint32_t count, threads, width; /* rays in a packet: 1, 8 or 16; of 8 and 16 one thread */
     bool any;
     mcv_hit *hits; /* closest */
     int *found;    /* any */

@@ -50,12 +50,6 @@ typedef MCV_JOIN(mcv_, MCV_SENSOR, ) mcv_sensor;
 #define MCV_DOUBLE uint
 #endif
 
-#if MCV_WITH_SURFACES
-#define MCV_SOLID mcv_device_solid
-#else
-#define MCV_SOLID uint
-#endif
-
 #define MCV_WORLD_FIELD(space, type, name, what, bytes, data) space const type *name;
 #define MCV_WORLD_PARAMETER(space, type, name, what, bytes, data) space const type *name,
 #define MCV_WORLD_ARGUMENT(space, type, name, what, bytes, data) world.name = name;
@@ -67,6 +61,9 @@ typedef MCV_JOIN(mcv_, MCV_SENSOR, ) mcv_sensor;
 typedef struct mcv_world {
     MCV_BUFFERS(MCV_WORLD_FIELD)
 } mcv_world;
+
+/* Whether a hit is on an exact surface, not on a triangle. */
+MCV_LOOP_FUNCTION int mcv_is_exact(uint hit) { return MCV_WITH_SURFACES && hit >= MCV_EXACT; }
 
 /* A colour has one channel or three. */
 typedef struct mcv_color {
@@ -103,38 +100,6 @@ MCV_FUNCTION float mcv_average(mcv_color a) {
     MCV_EACH_CHANNEL(i) sum += a.c[i];
     return sum / (float)MCV_CHANNELS;
 }
-
-#if MCV_WITH_DISPERSION
-/* The one channel that goes on at a body that refracts them differently, by what a path carries. */
-MCV_FUNCTION uint mcv_choose_channel(mcv_color carried, float xi, float *chance) {
-    const float sum = carried.c[0] + carried.c[1] + carried.c[2];
-    const uint channel = xi * sum < carried.c[0]                  ? 0u
-                         : xi * sum < carried.c[0] + carried.c[1] ? 1u
-                                                                  : 2u;
-    *chance = carried.c[channel] > 0.0f ? carried.c[channel] / sum : 1.0f;
-    return channel;
-}
-
-MCV_FUNCTION mcv_color mcv_keep_channel(mcv_color color, uint channel, float chance) {
-    MCV_EACH_CHANNEL(i) color.c[i] = (uint)i == channel ? color.c[i] / chance : 0.0f;
-    return color;
-}
-
-/* The channel of a path that carries only one: nothing else needs to tell. */
-MCV_FUNCTION uint mcv_kept_channel(mcv_color carried) {
-    return carried.c[1] > 0.0f ? 1u : carried.c[2] > 0.0f ? 2u : 0u;
-}
-
-/* The world as light of a channel meets it: with its indices of refraction. */
-MCV_FUNCTION mcv_world mcv_in_channel(mcv_world world, uint channel) {
-    world.media += channel * (MCV_MAX_MEDIA + 1u);
-    world.interfaces += channel * (MCV_MAX_MEDIA + 1u) * (MCV_MAX_MEDIA + 1u);
-#if MCV_WITH_MIXED
-    world.refractive_indices += channel * (MCV_MAX_MEDIA + 1u);
-#endif
-    return world;
-}
-#endif
 
 /* What a surface that spreads light makes of light from a direction. */
 typedef struct mcv_response {

@@ -354,27 +354,26 @@ typedef struct entry {
 static const entry entries[] = {
     {"bolts",
      "Entocentric and telecentric",
-     "Two equal bolts, one 20 mm nearer. A lens shows the nearer one larger, a telecentric lens "
-     "both alike: widths of the plain shank.",
+     "Two equal bolts, one 20 mm nearer. An entocentric lens shows the nearer one larger, "
+     "a telecentric lens shows both at the same size. The numbers are widths of the plain "
+     "shank.",
      {{"wrong: entocentric lens", "scenes/bolts.gltf --sensor entocentric --spp 64", NULL},
       {"right: telecentric lens", "scenes/bolts.gltf --sensor telecentric --spp 64", NULL}},
      say_widths},
     {"light-field",
      "A light field display before a light field camera",
-     "The display shows in each direction a disk at another place; the camera, focused on it, sees "
-     "each of its pixels in one of its own. "
-     "Focused "
-     "107 mm behind it, a macro pixel mixes neighbours.",
+     "The display shows a disk at another position in each direction. Focused on the "
+     "display, each pixel of the camera sees one pixel of the display. Focused 107 mm "
+     "behind it, a macro pixel mixes neighbours.",
      {{"wrong: focused behind the display",
        "scenes/light-field.gltf --set sensors/camera/imageDistance=57mm --spp 32", NULL},
       {"right: focused on the display", "scenes/light-field.gltf --spp 32", NULL}},
      say_display},
     {"structured-light",
-     "Where a projector stands",
-     "A step 4 mm high under the first of four phase-shifted patterns. What a height does to the "
-     "stripes grows with the tangent of the "
-     "angle between "
-     "projector and camera; the numbers come from the phase of all four.",
+     "Position of a projector",
+     "A step 4 mm high under the first of four phase-shifted patterns. The shift of the "
+     "stripes grows with the tangent of the angle between projector and camera. The "
+     "numbers are computed from the phase of all four patterns.",
      {{"wrong: 2° beside the camera",
        "scenes/structured-light.gltf --set nodes/projector/azimuth=-2deg --spp 32",
        "emitters/projector/index"},
@@ -383,9 +382,8 @@ static const entry entries[] = {
      say_shift},
     {"scratch",
      "Bright field and dark field",
-     "A scratch 100 µm wide in stained steel. Light from where the camera looks shows stains and "
-     "scratch, light from low around "
-     "it the scratch alone.",
+     "A scratch 100 µm wide in stained steel. Light from the direction of the camera "
+     "shows stains and scratch. Light from a low ring shows the scratch alone.",
      {{"wrong: bright field (coaxial light)",
        "scenes/scratch.gltf --set emitters/ring/radiance=0 --spp 1024", NULL},
       {"right: dark field (low ring)",
@@ -393,61 +391,58 @@ static const entry entries[] = {
      say_scratch},
     {"engraved",
      "Ring, dome and coaxial light",
-     "Engraved steel, ground and not quite even. A ring light glares where the surface mirrors it; "
-     "a dome lights evenly, letters too; a "
-     "coaxial light is mirrored by what is flat and lost in what is milled.",
+     "Engraved steel, ground and not quite even. A ring light makes glare where the "
+     "surface reflects it. A dome lights the letters as evenly as the rest. Coaxial light "
+     "is reflected by the flat surface and lost in the milled letters.",
      {{"wrong: ring light", "scenes/engraved-ring.gltf --spp 256", NULL},
       {"better: dome light", "scenes/engraved-dome.gltf --spp 256", NULL},
       {"right: coaxial light", "scenes/engraved-coaxial.gltf --spp 2048", NULL}},
      say_letters},
     {"caustic",
      "A caustic on paper",
-     "A glass ball under a lamp of the same power. How sharply the ball gathers the light tells "
-     "how parallel it is. Camera paths would "
-     "not find the lamp behind the ball: light paths do.",
+     "A glass ball under a lamp of the same power. The more parallel the light, the "
+     "sharper the focus of the ball. Camera paths would not find the lamp behind the "
+     "ball: light paths do.",
      {{"wrong: a wide cone, 16°",
        "scenes/caustic.gltf --set emitters/lamp/halfAngle=8deg --spp 256", NULL},
       {"right: a narrow one, 0.5°", "scenes/caustic.gltf --spp 256", NULL}},
      say_peak},
     {"loupe",
      "A single lens and an achromat",
-     "Bars on a light table through two loupes of 100 mm: one lens of N-SF11, and a doublet of "
-     "N-BK7 and SF5 cemented together, exact "
-     "surfaces and catalogue glass both. Numbers are of the bar at the right.",
+     "Bars on a light table through two loupes of 100 mm: a single lens of N-SF11, and a "
+     "cemented doublet of N-BK7 and SF5. Both have exact surfaces and catalogue glass. "
+     "The numbers are for the bar at the right.",
      {{"wrong: a single lens of flint", "scenes/loupe.gltf --sensor singlet --spp 256", NULL},
       {"right: an achromat", "scenes/loupe.gltf --sensor achromat --spp 256", NULL}},
      say_fringe},
     {"prism",
-     "What a prism parts",
-     "A white beam through a prism of N-SF11, onto a screen 150 mm behind it: light paths bring a "
-     "line for each of the scene's "
-     "wavelengths, as wide "
-     "as the beam.",
+     "Dispersion by a prism",
+     "A white beam falls through a prism of N-SF11 onto a screen 150 mm behind it. Light "
+     "paths draw a line for each of the scene's wavelengths, as wide as the beam.",
      {{"wrong: a beam of 8 mm", "scenes/prism.gltf --set emitters/beam/size=[0.008,0.008] --spp 64",
        NULL},
       {"right: a slit of 0.5 mm", "scenes/prism.gltf --spp 64", NULL}},
      say_purity},
     {"immersion",
-     "In fluid of its own index",
-     "A glass rod with a bubble of 0.6 mm in a cuvette before a backlight. In water the rod is a "
-     "lens that hides it; in a fluid of the "
-     "glass's "
-     "index only the bubble is left.",
+     "Immersion in a fluid of equal index",
+     "A glass rod with a bubble of 0.6 mm in a cuvette before a backlight. In water the "
+     "rod is a lens that hides the bubble. In a fluid with the index of the glass only "
+     "the bubble is visible.",
      {{"wrong: in water", "scenes/immersion.gltf --set materials/fluid/ior=1.333 --spp 128", NULL},
       {"right: in fluid of n = 1.5168", "scenes/immersion.gltf --spp 128", NULL}},
      say_bubble},
     {"window",
      "A coated window",
-     "A chart behind a window in which a lamp is mirrored. A coating that leaves 0.4 % of the "
-     "light takes nine tenths of the glare away.",
+     "A chart behind a window that reflects a lamp. A coating with a reflectance of 0.4 % "
+     "removes nine tenths of the glare.",
      {{"wrong: bare glass", "scenes/window.gltf --set materials/pane/coating=0 --spp 512", NULL},
       {"right: coated", "scenes/window.gltf --spp 512", NULL}},
      say_glare},
     {"tape",
      "Light for a retroreflector",
-     "Tape above, white paint below, turned by 0, 20, 40 and 60°. Tape sends light back to where "
-     "it came from: under a lamp at the "
-     "side it is dark, and through a half mirror before the camera it shines.",
+     "Retroreflecting tape above, white paint below, turned by 0, 20, 40 and 60°. Tape "
+     "sends light back to its source. It is dark under a lamp at the side, and bright "
+     "under light from a half mirror before the camera.",
      {{"wrong: a lamp at the side",
        "scenes/tape.gltf --set emitters/coaxial/radiance=0 --set emitters/lamp/radiance=20 --spp "
        "256",
@@ -456,8 +451,8 @@ static const entry entries[] = {
      say_tape},
     {"diffuser",
      "Lamps behind a plate",
-     "Sixteen lamps in a white box behind a plate: clear, and of opal, which passes 60 % "
-     "diffusely.",
+     "Sixteen lamps in a white box behind a plate: a clear plate, and an opal one, which "
+     "transmits 60 % diffusely.",
      {{"wrong: a clear plate",
        "scenes/diffuser.gltf --set "
        "materials/plate/extensions/MCVISI_materials={\"type\":\"sheet\"} --spp 256",
@@ -466,10 +461,9 @@ static const entry entries[] = {
      say_evenness},
     {"brushed",
      "Turned metal under a lamp and in a tent",
-     "Turned discs of aluminium, copper and gold on brushed steel. A lamp makes a streak across "
-     "the grooves, which turns with them; light "
-     "from "
-     "all around shows the metals' colours.",
+     "Turned discs of aluminium, copper and gold on brushed steel. A lamp makes a streak "
+     "across the grooves, which turns with them. Light from all sides shows the metals' "
+     "colours.",
      {{"wrong: a small lamp", "scenes/brushed.gltf --spp 128", NULL},
       {"right: light from all around",
        "scenes/brushed.gltf --set emitters/lamp/radiance=0 --set emitters/sky/radiance=1 --spp 128",

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Triangles to references before a structure is built, references to leaves after it. */
+/* From triangles to references before a structure is built, and from references to leaves after
+ * it. */
 #include "accel/bvh_builder.h"
 
 #include <math.h>
@@ -38,14 +39,13 @@ void mcv_bvh_fill_leaves(mcv_bvh_worker *w) {
     mcv_bvh_share(w, b->leaf_count, &begin, &end);
     for (uint32_t i = begin; i < end; ++i) {
         mcv_leaf *leaf = b->bvh->leaves + i;
-        const uint32_t content = b->leaf_contents[i] & ~MCV_CHILD_LEAF;
-        const uint32_t first = content / MCV_LEAF_TRIANGLES,
-                       count = content % MCV_LEAF_TRIANGLES + 1;
+        const mcv_binary *content = mcv_bvh_binary(b, b->leaf_binaries[i]);
+        const uint32_t first = content->children[0], count = content->children[1] & ~MCV_CHILD_LEAF;
         *leaf = (mcv_leaf){.triangle = {MCV_NONE, MCV_NONE, MCV_NONE, MCV_NONE}};
         uint32_t lane = 0;
         for (uint32_t k = first; k < first + count; ++k) {
             const uint32_t triangle = b->splitter.references[k].triangle;
-            /* Two parts of one triangle may meet again. */
+            /* Two parts of one triangle may end in one leaf. */
             bool there = false;
             for (uint32_t before = 0; before < lane; ++before)
                 there = there || leaf->triangle[before] == triangle;

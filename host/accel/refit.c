@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Puts the vertices into a leaf; have they moved? */
+/* Writes the vertices into a leaf; returns whether they have moved. */
 static bool move_leaf(mcv_leaf *leaf, const float *positions, const uint32_t *indices) {
     bool moved = false;
     for (int lane = 0; lane < MCV_LEAF_TRIANGLES; ++lane) {
@@ -61,7 +61,7 @@ mcv_result mcv_bvh_refit(mcv_bvh *bvh, const float *positions, const uint32_t *i
     for (uint32_t i = 0; i < bvh->leaf_count; ++i)
         moved[i] = move_leaf(bvh->leaves + i, positions, indices);
     const float extent = largest_coordinate(bvh);
-    /* A node has a smaller number than the nodes below it. */
+    /* The number of a node is smaller than those of its children. */
     for (uint32_t i = bvh->node_count; i-- > 0;) {
         mcv_node *node = bvh->nodes + i;
         node->extent = extent;

@@ -1,22 +1,27 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Splitting the content of a node in two: by the surface area heuristic over binned centroids
- * (Wald, On fast Construction of SAH-based Bounding Volume Hierarchies, 2007), or through space,
- * which puts a triangle that lies on both sides into both (Stich, Friedrich and Dietrich, Spatial
+ * Splits of a node in two. The surface area heuristic over binned centroids separates objects
+ * (Wald, On fast Construction of SAH-based Bounding Volume Hierarchies, 2007). Spatial splits
+ * separate space and put a triangle on both sides into both (Stich, Friedrich and Dietrich, Spatial
  * Splits in Bounding Volume Hierarchies, HPG 2009).
  */
 #ifndef MCVISI_HOST_ACCEL_SPLIT_H
 #define MCVISI_HOST_ACCEL_SPLIT_H
 
+#include <string.h>
+#ifdef __SSE__
+#include <xmmintrin.h>
+#endif
+
 #include "mcvisi/accel.h"
 #include "core/error.h"
 
-/* Four lanes, of which the last is unused, so that the compiler can use one vector instruction. */
+/* Four lanes, of which the last holds anything, for one vector instruction. */
 typedef struct mcv_box3f {
     float lower[4], upper[4];
 } mcv_box3f;
 
-/* A triangle, or the part of one that lies in the box. */
+/* A triangle, or the part of one that lies in the box: its bytes are those of an mcv_box3f. */
 typedef struct mcv_reference {
     float lower[3];
     uint32_t triangle;
@@ -26,7 +31,7 @@ typedef struct mcv_reference {
 
 /*
  * References begin … end - 1, their box and the box of their doubled centroids (lower + upper). The
- * places up to `limit` are free for what spatial splits add.
+ * entries up to `limit` are free for references that spatial splits add.
  */
 typedef struct mcv_record {
     uint32_t begin, end, limit;
@@ -48,8 +53,13 @@ mcv_record mcv_record_empty(uint32_t begin, uint32_t end, uint32_t limit);
 static inline uint32_t mcv_record_count(const mcv_record *r) { return r->end - r->begin; }
 
 static inline void mcv_box_add(mcv_box3f *a, const mcv_box3f *b) {
+#ifdef __SSE__ /* the compiler finds it only here and there */
+    _mm_storeu_ps(a->lower, _mm_min_ps(_mm_loadu_ps(b->lower), _mm_loadu_ps(a->lower)));
+    _mm_storeu_ps(a->upper, _mm_max_ps(_mm_loadu_ps(b->upper), _mm_loadu_ps(a->upper)));
+#else
     for (int i = 0; i < 4; ++i) a->lower[i] = b->lower[i] < a->lower[i] ? b->lower[i] : a->lower[i];
     for (int i = 0; i < 4; ++i) a->upper[i] = b->upper[i] > a->upper[i] ? b->upper[i] : a->upper[i];
+#endif
 }
 
 /* Half the surface; 0 for an empty box. */
@@ -59,23 +69,30 @@ static inline float mcv_box_area(const mcv_box3f *b) {
     return x < 0.0f || y < 0.0f || z < 0.0f ? 0.0f : x * y + y * z + z * x;
 }
 
+static inline mcv_box3f mcv_reference_box(const mcv_reference *r) {
+    mcv_box3f box;
+    memcpy(&box, r, sizeof box);
+    return box;
+}
+
+/* The doubled centroid of a reference. */
+static inline void mcv_box_add_centroid(mcv_box3f *box, const mcv_reference *added) {
+    mcv_box3f centroid = mcv_reference_box(added);
+    for (int i = 0; i < 4; ++i) centroid.lower[i] += centroid.upper[i];
+    for (int i = 0; i < 4; ++i) centroid.upper[i] = centroid.lower[i];
+    mcv_box_add(box, &centroid);
+}
+
 static inline void mcv_record_add(mcv_record *r, const mcv_reference *added) {
-    mcv_box3f bounds, centroid;
-    for (int i = 0; i < 3; ++i) {
-        bounds.lower[i] = added->lower[i];
-        bounds.upper[i] = added->upper[i];
-        centroid.lower[i] = centroid.upper[i] = added->lower[i] + added->upper[i];
-    }
-    bounds.lower[3] = bounds.upper[3] = centroid.lower[3] = centroid.upper[3] = 0.0f;
+    const mcv_box3f bounds = mcv_reference_box(added);
     mcv_box_add(&r->bounds, &bounds);
-    mcv_box_add(&r->centroids, &centroid);
+    mcv_box_add_centroid(&r->centroids, added);
 }
 
 /*
- * Splits by whichever heuristic is cheaper or, if none finds anything or must be asked (halve),
- * into halves. Both sides get at least one reference. Large records are binned by several of the
- * threads, which changes nothing: counts and boxes do not depend on the order in which they are
- * added up.
+ * Splits by the cheaper heuristic, or into halves if no split is found or `halve` is set. Each side
+ * gets at least one reference. Several threads bin a large record; this does not change the result,
+ * because counts and boxes do not depend on the order of addition.
  */
 void mcv_record_split(const mcv_splitter *s, const mcv_record *r, bool halve, mcv_record *left,
                       mcv_record *right);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What both kinds of splits share: planes between bins, and what they cost (accel/split.c). */
+/* What both kinds of splits share: planes between bins, and their costs (accel/split.c). */
 #ifndef MCVISI_HOST_ACCEL_SPLIT_BINS_H
 #define MCVISI_HOST_ACCEL_SPLIT_BINS_H
 
@@ -7,37 +7,32 @@
 
 #include <math.h>
 
-/* The most bins of one axis. */
+/* Largest number of bins of an axis. */
 enum { MCV_SPLIT_BINS = 32 };
 
-/* A plane: bins below `split` go left. */
+/* A plane: the bins below `split` are on the left. */
 typedef struct mcv_binning {
     int axis;
     uint32_t bins, split;
     float origin, scale;
 } mcv_binning;
 
-/* Unlike fminf and fmaxf, one instruction each: no NaN comes here. */
+/* One instruction each, unlike fminf and fmaxf: there are no NaNs here. */
 static inline float mcv_smaller(float a, float b) { return a < b ? a : b; }
 static inline float mcv_larger(float a, float b) { return a > b ? a : b; }
 
 typedef struct mcv_split_candidate {
-    float cost; /* infinite: there is none */
+    float cost; /* infinite: no split */
     mcv_binning plane;
     mcv_box3f left, right;
     uint32_t left_count, right_count;
 } mcv_split_candidate;
 
-static inline mcv_box3f mcv_reference_box(const mcv_reference *r) {
-    return (mcv_box3f){{r->lower[0], r->lower[1], r->lower[2], 0.0f},
-                       {r->upper[0], r->upper[1], r->upper[2], 0.0f}};
-}
-
 static inline uint32_t mcv_bin_of(const mcv_binning *b, const mcv_reference *r) {
     return (uint32_t)((r->lower[b->axis] + r->upper[b->axis] - b->origin) * b->scale);
 }
 
-/* Leaves hold whole blocks, so blocks are what a side costs. */
+/* The cost of a side is its number of blocks, because leaves hold whole blocks. */
 static inline float mcv_side_cost(const mcv_box3f *bounds, uint32_t count) {
     const uint32_t blocks = (count + MCV_LEAF_TRIANGLES - 1) / MCV_LEAF_TRIANGLES;
     return mcv_box_area(bounds) * (float)blocks;
@@ -45,14 +40,14 @@ static inline float mcv_side_cost(const mcv_box3f *bounds, uint32_t count) {
 
 mcv_binning mcv_bin_axis(const mcv_box3f *range, int axis, uint32_t bins);
 
-/* The cheapest plane between bins that begin `entries` and end `exits` references; keeps *best if
- * that is cheaper. */
+/* The cheapest plane between bins; `entries` references begin and `exits` end in each bin. Replaces
+ * *best if it is cheaper. */
 void mcv_split_sweep(const mcv_binning *plane, const mcv_box3f *bounds, const uint32_t *entries,
                      const uint32_t *exits, mcv_split_candidate *best);
 
 /* split_objects.c */
 
-/* Nothing is found if all centroids fall into one bin on every axis. */
+/* Finds no split if all centroids are in one bin on every axis. */
 mcv_split_candidate mcv_find_object_split(const mcv_splitter *s, const mcv_record *r);
 
 /* split_space.c */
@@ -60,8 +55,8 @@ mcv_split_candidate mcv_find_object_split(const mcv_splitter *s, const mcv_recor
 mcv_split_candidate mcv_find_spatial_split(const mcv_splitter *s, const mcv_record *r);
 
 /*
- * Sorts the references into both sides. One that lies on both is split while there is room, unless
- * it costs less on one side as a whole. False if a side stays empty.
+ * Distributes the references to both sides. One that lies on both is split while there is room,
+ * unless it is cheaper as a whole on one side. False if a side stays empty.
  */
 bool mcv_split_space(const mcv_splitter *s, const mcv_record *r, const mcv_split_candidate *by,
                      mcv_record *left, mcv_record *right);

@@ -5,8 +5,8 @@
 #include <pthread.h>
 
 enum {
-    MOST_BINNERS = 16,     /* threads that bin one record */
-    LEAST_SHARE = 1 << 16, /* references that are worth a thread: some ms */
+    MOST_BINNERS = 16,     /* most threads that bin one record */
+    LEAST_SHARE = 1 << 16, /* references that are worth a thread, some milliseconds */
 };
 
 /* A range of references sorted into the bins of all axes. */
@@ -47,7 +47,7 @@ static void merge_bins(object_bins *into, const object_bins *other) {
     }
 }
 
-/* Shares the range among as many threads; where one cannot be started, its part is done here. */
+/* Divides the range among the threads; if one cannot be started, the caller does its part. */
 static void fill_bins_together(object_bins *all, uint32_t threads) {
     const uint32_t begin = all->begin, count = all->end - all->begin;
     object_bins parts[MOST_BINNERS];
@@ -83,7 +83,7 @@ mcv_split_candidate mcv_find_object_split(const mcv_splitter *s, const mcv_recor
     all.axes = axes;
     all.begin = r->begin;
     all.end = r->end;
-    /* While few records are so large, few threads have one. */
+    /* While there are few records of this size, few threads are busy. */
     const uint32_t threads = count / LEAST_SHARE < s->threads ? count / LEAST_SHARE : s->threads;
     if (threads > 1)
         fill_bins_together(&all, threads < MOST_BINNERS ? threads : MOST_BINNERS);

@@ -1,8 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Splits through space: a triangle that lies on both sides goes into both. */
+/* Spatial splits: a triangle on both sides goes into both. */
 #include "accel/split_bins.h"
 
-enum { SPATIAL_BINS = 16 };
+enum {
+    SPATIAL_BINS = 16,
+    SAMPLES = 256, /* references of ordinary size by which a plane is chosen */
+};
+/* Of the node's width: larger references are all looked at, as one may fill most of a side. Axes
+ * along which a node is shorter than this share of its length gain next to nothing. */
+static const float large_share = 0.9f, least_length = 0.5f;
 
 /* Between bins i - 1 and i. */
 static float plane_of(const mcv_binning *b, uint32_t i) { return b->origin + (float)i / b->scale; }
@@ -32,11 +38,11 @@ static bool clip_to(mcv_reference *part, const mcv_reference *whole, const mcv_b
 }
 
 /*
- * The parts of a reference on either side of a plane: boxes around the triangle's part on that
- * side, within the reference's box. A side may have none, and is said so; never both. Corners on
- * the plane are rounded outwards from double, whose own error, 2^-29 of the float's, is nothing to
- * the margin of traversal (kernels/traverse/bvh8.h): what is in the box lies in one part or the
- * other.
+ * Splits a reference at a plane. Each part is the box of the triangle's part on that side, within
+ * the reference's box. One part may be empty, which is reported; never both. Corners on the plane
+ * are computed in double and rounded outwards. The error of double, 2^-29 of the float's, is
+ * negligible against the margin of traversal (kernels/traverse/bvh8.h): each point of the box lies
+ * in one part or the other.
  */
 static void split_reference(const mcv_splitter *s, const mcv_reference *whole, int axis,
                             float plane, mcv_reference *left, bool *has_left, mcv_reference *right,
@@ -78,9 +84,9 @@ static inline mcv_box3f point_box(const float *p) {
 }
 
 /*
- * Adds the boxes of a reference's parts in bins first … last: those of the pieces of its triangle's
- * edges. They only serve to choose a plane, so float will do, and for a triangle that crosses just
- * one, so will the halves of its box.
+ * Adds the boxes of a reference's parts to the bins first … last. They are the boxes of the pieces
+ * of the triangle's edges. They only serve to choose a plane, so float is enough; for a triangle
+ * that crosses one plane only, the halves of its box are enough.
  */
 static void add_parts(const mcv_splitter *s, const mcv_reference *whole, const mcv_binning *b,
                       uint32_t first, uint32_t last, mcv_box3f *bounds) {
@@ -130,23 +136,63 @@ static void add_parts(const mcv_splitter *s, const mcv_reference *whole, const m
     }
 }
 
+/* The bins of the three axes. */
+typedef struct spatial_bins {
+    mcv_binning axes[3];
+    mcv_box3f bounds[3][SPATIAL_BINS];
+    uint32_t entries[3][SPATIAL_BINS], exits[3][SPATIAL_BINS];
+} spatial_bins;
+
+/* Adds a reference that stands for so many. */
+static void bin_reference(const mcv_splitter *s, const mcv_reference *here, uint32_t weight,
+                          spatial_bins *b) {
+    for (int axis = 0; axis < 3; ++axis) {
+        if (!(b->axes[axis].scale > 0.0f)) continue;
+        const uint32_t first = spatial_bin(&b->axes[axis], here->lower[axis]),
+                       last = spatial_bin(&b->axes[axis], here->upper[axis]);
+        add_parts(s, here, &b->axes[axis], first, last, b->bounds[axis]);
+        b->entries[axis][first] += weight;
+        b->exits[axis][last] += weight;
+    }
+}
+
+static bool is_large(const mcv_reference *r, const float limits[3]) {
+    return r->upper[0] - r->lower[0] > limits[0] || r->upper[1] - r->lower[1] > limits[1] ||
+           r->upper[2] - r->lower[2] > limits[2];
+}
+
 mcv_split_candidate mcv_find_spatial_split(const mcv_splitter *s, const mcv_record *r) {
     mcv_split_candidate best = {.cost = INFINITY};
+    spatial_bins b = {.entries = {{0}}, .exits = {{0}}};
+    float limits[3], length = 0.0f;
     for (int axis = 0; axis < 3; ++axis) {
-        const mcv_binning bins = mcv_bin_axis(&r->bounds, axis, SPATIAL_BINS);
-        mcv_box3f bounds[SPATIAL_BINS];
-        uint32_t entries[SPATIAL_BINS] = {0}, exits[SPATIAL_BINS] = {0};
-        if (!(bins.scale > 0.0f)) continue;
-        for (uint32_t i = 0; i < SPATIAL_BINS; ++i) bounds[i] = mcv_box3f_empty();
-        for (uint32_t i = r->begin; i < r->end; ++i) {
-            const mcv_reference *here = s->references + i;
-            const uint32_t first = spatial_bin(&bins, here->lower[axis]),
-                           last = spatial_bin(&bins, here->upper[axis]);
-            add_parts(s, here, &bins, first, last, bounds);
-            ++entries[first];
-            ++exits[last];
+        limits[axis] = large_share * (r->bounds.upper[axis] - r->bounds.lower[axis]);
+        length = mcv_larger(length, r->bounds.upper[axis] - r->bounds.lower[axis]);
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+        b.axes[axis] = mcv_bin_axis(&r->bounds, axis, SPATIAL_BINS);
+        if (r->bounds.upper[axis] - r->bounds.lower[axis] < least_length * length)
+            b.axes[axis].scale = 0.0f;
+        for (uint32_t i = 0; i < SPATIAL_BINS; ++i) b.bounds[axis][i] = mcv_box3f_empty();
+    }
+    /* Of many references every few stand for their neighbours. */
+    const uint32_t step = mcv_record_count(r) < 2 * SAMPLES ? 1 : mcv_record_count(r) / SAMPLES;
+    for (uint32_t first = r->begin; first < r->end; first += step) {
+        const uint32_t last = r->end - first < step ? r->end : first + step;
+        uint32_t ordinary = 0, sample = first;
+        for (uint32_t i = first; i < last; ++i) {
+            if (is_large(s->references + i, limits)) {
+                bin_reference(s, s->references + i, 1, &b);
+            } else {
+                ++ordinary;
+                sample = i;
+            }
         }
-        mcv_split_sweep(&bins, bounds, entries, exits, &best);
+        if (ordinary) bin_reference(s, s->references + sample, ordinary, &b);
+    }
+    for (int axis = 0; axis < 3; ++axis) {
+        if (b.axes[axis].scale > 0.0f)
+            mcv_split_sweep(&b.axes[axis], b.bounds[axis], b.entries[axis], b.exits[axis], &best);
     }
     return best;
 }

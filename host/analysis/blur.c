@@ -314,6 +314,7 @@ mcv_result mcv_blur(mcv_image *light, mcv_image *light_error, const mcv_lens_mtf
     if (result == MCV_OK) return MCV_OK;
     return mcv_fail(
         error, result,
-        "the lens MTF needs %.3g GB of memory, which is not there: leave it out by --lens-mtf none",
+        "the lens MTF needs %.3g GB of memory, more than is free: leave it out by --lens-mtf "
+        "none",
         24e-9 * (double)g.size[0] * (double)g.size[1]);
 }

@@ -18,8 +18,8 @@ static mcv_result read_place(const char *what, const char *text, const char *pla
                         text);
     if (n[0] + n[2] > image->width || n[1] + n[3] > image->height)
         return mcv_fail(error, MCV_USAGE,
-                        "%s %s reaches to column %g, row %g: the image has %u x %u pixels", what,
-                        text, n[0] + n[2], n[1] + n[3], image->width, image->height);
+                        "%s %s extends to column %g, row %g: the image has only %u x %u pixels",
+                        what, text, n[0] + n[2], n[1] + n[3], image->width, image->height);
     if (n[2] < 8 || n[3] < 8)
         return mcv_fail(error, MCV_USAGE, "%s %s must be at least 8 pixels wide and high", what,
                         text);

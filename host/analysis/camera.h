@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * From light to the grey values of a camera, the linear model of EMVA Standard 1288 (release 4.0
- * Linear). A pixel collects mu_e electrons of light and mu_d = mu_I t_exp of dark current on
- * average, a Poisson number of them, at most u_e.sat; read noise of standard deviation sigma_d0 is
- * added, the system gain K makes grey values [DN] of it, the black level is added and the sum is
- * rounded and clipped to the bits of the converter:
+ * From light to the grey values of a camera: the linear model of EMVA Standard 1288 (release 4.0
+ * Linear). A pixel collects a Poisson number of electrons, at most u_e.sat. Its mean is mu_e from
+ * light plus mu_d = mu_I t_exp of dark current. Read noise with the standard deviation sigma_d0 is
+ * added. The system gain K converts the sum to grey values [DN]; the black level is added; the
+ * result is rounded and clipped to the bits of the converter:
  *
- *     mean mu_y = black level + K (mu_e + mu_d)      temporal variance sigma_y² = K² (mu_e + mu_d +
- * sigma_d0²) + 1/12
+ *     mean                 mu_y = black level + K (mu_e + mu_d)
+ *     temporal variance    sigma_y² = K² (mu_e + mu_d + sigma_d0²) + 1/12
  *
- * No two pixels are alike: each has an offset, normal of standard deviation DSNU1288 [e-], and a
- * sensitivity, normal about 1 of standard deviation PRNU1288. This fixed pattern belongs to one
- * camera and is the same in all its exposures.
+ * Each pixel has an offset, normal with the standard deviation DSNU1288 [e-], and a sensitivity,
+ * normal about 1 with the standard deviation PRNU1288. This fixed pattern belongs to one camera and
+ * is the same in all its exposures.
  */
 #ifndef MCVISI_HOST_ANALYSIS_CAMERA_H
 #define MCVISI_HOST_ANALYSIS_CAMERA_H
@@ -47,10 +47,9 @@ typedef struct mcv_camera {
     uint32_t bits;                /* 1 … 16 */
     uint32_t black_level;         /* [DN], below 2^bits */
     uint32_t bayer;               /* MCV_BAYER_… */
-    uint32_t specimen;            /* another one, another fixed pattern */
+    uint32_t specimen;            /* number of the specimen, which determines the fixed pattern */
     uint32_t seed;                /* of the exposure */
-    bool noise_free; /* neither noise nor fixed pattern: what remains is full well, rounding and
-                        clipping */
+    bool noise_free; /* neither noise nor fixed pattern: only full well, rounding and clipping */
 } mcv_camera;
 
 /*
@@ -61,20 +60,20 @@ double mcv_camera_electrons_per_irradiance(double exposure_time, double quantum_
                                            double wavelength, double pixel_area);
 
 /*
- * How bright the bright parts of an image are, in electrons, by what the render's error does not
- * move: the expected value is the same for few samples and for many. The larger of two levels, both
- * means in which each place μ counts by how bright it is:
+ * The level of the bright parts of an image, in electrons. Its expected value does not depend on
+ * the render's error: it is the same for few samples and for many. It is the larger of two levels,
+ * both means weighed by brightness μ:
  *
- * - of single pixels Σμ²/Σμ, from values y and their standard errors u: Σ(y² - u²)/Σy. Bright lines
- * and spots on dark ground;
- * - of squares of 16 x 16 pixels Σμ^16/Σμ^15, near to that of the brightest one. A square's 16
- * interleaved lattices have independent errors, and a product of different lattices' means is free
- * of their error on average.
+ *     - of single pixels Σμ²/Σμ, from values y and their standard errors u: Σ(y² - u²)/Σy. It
+ *       suits bright lines and spots on a dark background.
+ *     - of blocks of 16 x 16 pixels Σμ^16/Σμ^15, near that of the brightest block. A block's 16
+ *       interleaved lattices have independent errors, and a product of means of different
+ *       lattices is free of their error on average.
  *
- * The uncertainty is that of the render's error, to first order: few samples do not tell how bright
- * the brightest square is. light_error NULL: the second level, where there is one, of uncertainty
- * NaN. 0 where nothing is bright. The errors of neighbours must be independent: not yet blurred by
- * a lens.
+ * The uncertainty is that of the render's error, to first order; with few samples the brightest
+ * block is uncertain. light_error NULL: the second level, if it exists, with the uncertainty NaN. 0
+ * for a dark image. The errors of neighbours must be independent, so the image must not be blurred
+ * by a lens before.
  */
 mcv_quantity mcv_camera_level(const mcv_image *light, const mcv_image *light_error,
                               const double electrons_per_unit[3]);

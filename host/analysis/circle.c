@@ -26,8 +26,8 @@ static mcv_result refine(mcv_circle_finder *f, int rounds, mcv_ring_sums *ring, 
     for (int round = 0; round < rounds; ++round) {
         const double widest = mcv_circle_widest_window(f->at.radius);
         if (!mcv_circle_find_levels(f, ring) || !mcv_circle_find_spread(f, ring))
-            return mcv_circle_fail(
-                c, error, "too little room beside it: the box must hold more of both sides");
+            return mcv_circle_fail(c, error,
+                                   "the box holds too little of one side: make it larger");
         /* 3 σ and a pixel. Noise moves the mean deviation less than σ²: a window that goes with the
          * noise would go with the radius. */
         const double deviation = 2 * f->window * ring->deviation / ring->density;
@@ -40,15 +40,15 @@ static mcv_result refine(mcv_circle_finder *f, int rounds, mcv_ring_sums *ring, 
                             sqrt(mcv_circle_spread2(f)),
                             (2 * sqrt(mcv_circle_spread2(f)) + 1) / mcv_circle_widest_window(1));
         if (!mcv_circle_find_levels(f, ring) || !mcv_circle_find_spread(f, ring))
-            return mcv_circle_fail(
-                c, error, "too little room beside it: the box must hold more of both sides");
+            return mcv_circle_fail(c, error,
+                                   "the box holds too little of one side: make it larger");
         mcv_circle_make_scans(f);
         if (!mcv_circle_judge_scans(f, sizes) || !mcv_circle_solve(f, true))
             return mcv_circle_fail(
                 c, error,
-                c->whole ? "too little of a circle is in the box, with room on both "
-                           "sides: give a box around it"
-                         : "too little of an arc is in the box, with room on both sides");
+                c->whole ? "the box shows too little of a circle and of both its sides: give a box "
+                           "around it"
+                         : "the box shows too little of an arc and of both its sides");
     }
     return MCV_OK;
 }
@@ -76,16 +76,17 @@ static mcv_result finish(mcv_circle_finder *f, const mcv_ring_sums *ring, double
     c->rejected = 1 - used / (double)f->scan_count;
     c->spread = sqrt(mcv_circle_spread2(f));
     if (c->whole && c->seen < 0.5)
-        return mcv_fail(error, MCV_FAILED,
-                        "circle %s: only %.0f %% of it has room on both sides in the box: give a "
-                        "larger box around it, or measure a part by --arc",
-                        c->name, 100 * c->seen);
+        return mcv_fail(
+            error, MCV_FAILED,
+            "circle %s: the box shows both sides of only %.0f %% of it: give a larger box around "
+            "it, or measure a part by --arc",
+            c->name, 100 * c->seen);
     if (!(c->radius.uncertainty <= 0.1 * c->radius.value))
-        return mcv_fail(error, MCV_FAILED,
-                        "%s %s is too short to tell its radius, %.3g ± %.2g pixels: show more of "
-                        "it, or measure it by --edge",
-                        c->whole ? "circle" : "arc", c->name, c->radius.value,
-                        c->radius.uncertainty);
+        return mcv_fail(
+            error, MCV_FAILED,
+            "%s %s is too short to determine its radius, %.3g ± %.2g pixels: give a box with "
+            "more of it, or measure it by --edge",
+            c->whole ? "circle" : "arc", c->name, c->radius.value, c->radius.uncertainty);
     return MCV_OK;
 }
 

@@ -5,6 +5,7 @@
 
 #include "analysis/circle.h"
 #include "analysis/form.h"
+#include "analysis/region_noise.h"
 
 #include <math.h>
 

@@ -86,7 +86,8 @@ static void set_noise(mcv_circle_finder *f, size_t i, double d, void *user) {
         1, fmax(0, (f->readings->values.pixels[i] - f->level[0]) / (f->level[1] - f->level[0])));
     const double used = mcv_circle_on_plateau(f, d) ? d < 0 : share;
     m->readings->deviation.pixels[i] =
-        (float)sqrt((1 - used) * m->variance[0] + used * m->variance[1]);
+        (float)sqrt((1 - used) * m->variance[0] + used * m->variance[1] +
+                    mcv_readings_render_variance(m->readings, i));
 }
 
 mcv_result mcv_circle_estimate_noise(mcv_circle_finder *f, mcv_readings *readings, double least,
@@ -109,7 +110,8 @@ mcv_result mcv_circle_estimate_noise(mcv_circle_finder *f, mcv_readings *reading
     if (!(m.variance[0] >= 0 && m.variance[1] >= 0) || count[0] < 4 || count[1] < 4)
         return mcv_circle_fail(
             f->circle, error,
-            "too little room beside it to see the image's noise: give a larger box, or --noise");
+            "the box shows too little beside it to estimate the image's noise: give a larger "
+            "box, or --noise");
     mcv_circle_visit_ring(f, set_noise, &m);
     *freedom = mcv_noise_freedom(m.variance, count);
     return MCV_OK;

@@ -19,7 +19,7 @@ static double mean_crossing(double radius, double off, double spread2) {
 /* The place of the scan, its window and model. False where it leaves the box or meets a NaN. */
 static bool make_scan(const mcv_circle_finder *f, bool along_rows, uint32_t line, double turn,
                       mcv_circle_scan *s) {
-    const mcv_image *image = &f->readings->values, *deviation = &f->readings->deviation;
+    const mcv_image *image = &f->readings->values;
     const mcv_pixel_box *box = &f->circle->box;
     const double radius = f->at.radius, w = f->window,
                  off = line + 0.5 - f->at.centre[along_rows ? 1 : 0],
@@ -53,9 +53,10 @@ static bool make_scan(const mcv_circle_finder *f, bool along_rows, uint32_t line
     double inside = 0;
     for (size_t k = (size_t)s->from; (double)k < s->to; ++k) {
         const size_t i = along_rows ? (size_t)line * image->width + k : k * image->width + line;
-        const double share = mcv_overlap(k, s->from, s->to), u = deviation->pixels[i];
+        const double share = mcv_overlap(k, s->from, s->to);
         inside += share * (image->pixels[i] - f->level[0]) / step;
-        s->variance += share * share * u * u / (step * step);
+        s->variance +=
+            share * share * mcv_readings_summed_variance(f->readings, i, 1) / (step * step);
     }
     s->place = turn > 0 ? s->from + inside : s->to - inside;
     s->by_level[0] = turn * (inside - (s->to - s->from)) / step;

@@ -60,19 +60,19 @@ static void weigh_ring(mcv_circle_finder *f, size_t i, double d, void *user) {
 bool mcv_circle_find_covariance(mcv_circle_finder *f, const mcv_ring_sums *ring,
                                 double covariance[3][3]) {
     const mcv_pixel_box *box = &f->circle->box;
-    const mcv_image *deviation = &f->readings->deviation;
     weights w = {.pixel = calloc((size_t)box->width * box->height, sizeof *w.pixel), .ring = ring};
     if (!w.pixel) return false;
     weigh_scans(f, &w);
     mcv_circle_visit_ring(f, weigh_ring, &w);
     memset(covariance, 0, 9 * sizeof(double));
     for (size_t i = 0; i < (size_t)box->width * box->height; ++i) {
-        const double u =
-            deviation
-                ->pixels[(box->y + i / box->width) * deviation->width + box->x + i % box->width];
+        const size_t at =
+            (box->y + i / box->width) * f->readings->values.width + box->x + i % box->width;
         if (w.pixel[i][0] == 0 && w.pixel[i][1] == 0 && w.pixel[i][2] == 0) continue;
         for (int j = 0; j < 3; ++j)
-            for (int k = 0; k < 3; ++k) covariance[j][k] += w.pixel[i][j] * w.pixel[i][k] * u * u;
+            for (int k = 0; k < 3; ++k)
+                covariance[j][k] += w.pixel[i][j] * w.pixel[i][k] *
+                                    mcv_readings_summed_variance(f->readings, at, 2);
     }
     free(w.pixel);
     return true;

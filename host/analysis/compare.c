@@ -119,16 +119,17 @@ static void judge(const mcv_compared *x, const mcv_compared *y, mcv_comparison *
                  c->worst.width, c->worst.height, c->worst.column, c->worst.row, c->worst.channel,
                  vx.estimate.mean, vy.estimate.mean, c->p_unit, (unsigned long long)c->units);
     } else if (c->p_tiles < MCV_COMPARE_ALPHA || c->p_count < MCV_COMPARE_ALPHA) {
-        snprintf(c->reason, sizeof c->reason,
-                 "%llu of %llu tiles have a p-value below 0.01 (p = %.2g), and all of them are too "
-                 "small (Kolmogorov-Smirnov p = %.2g)",
-                 (unsigned long long)c->small_tiles, (unsigned long long)c->tiles, c->p_count,
-                 c->p_tiles);
+        snprintf(
+            c->reason, sizeof c->reason,
+            "%llu of %llu tiles have a p-value below 0.01 (p = %.2g), and their distribution is "
+            "not uniform (Kolmogorov-Smirnov p = %.2g)",
+            (unsigned long long)c->small_tiles, (unsigned long long)c->tiles, c->p_count,
+            c->p_tiles);
     } else {
         c->different = false;
         snprintf(c->reason, sizeof c->reason,
-                 "no difference beyond the noise; %.2g %% of the image mean, or %.2g %% of it in "
-                 "one tile, would have been seen",
+                 "no difference beyond the noise; a difference of %.2g %% of the image mean, or of "
+                 "%.2g %% of it in one tile, would have been detected",
                  100 * c->detectable, 100 * c->detectable_tile);
     }
 }
@@ -139,7 +140,8 @@ static mcv_result compare(mcv_compared *x, mcv_compared *y, uint32_t width, uint
         y->replicates > MCV_MAX_REPLICATES) {
         return mcv_fail(
             error, MCV_BAD_INPUT,
-            "renders of %u and %u replicates cannot be compared: 2 to %d are needed, 16 wanted",
+            "renders of %u and %u replicates cannot be compared: 2 to %d are needed, 16 are "
+            "recommended",
             x->replicates, y->replicates, MCV_MAX_REPLICATES);
     }
     double *rank_table = mcv_mann_whitney(x->replicates, y->replicates);
@@ -194,7 +196,7 @@ static bool differ_in_finiteness(const mcv_image *x, const mcv_image *y, mcv_com
         c->different = true;
         snprintf(
             c->reason, sizeof c->reason,
-            "the pixel in column %u, row %u, channel %u, is %g and %g: finite in one image alone",
+            "the pixel in column %u, row %u, channel %u, is %g and %g: only one of them is finite",
             c->worst.column, c->worst.row, c->worst.channel, x->pixels[i], y->pixels[i]);
         return true;
     }

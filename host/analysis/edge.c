@@ -37,22 +37,20 @@ static mcv_result find_line(const mcv_edge_patch *p, mcv_edge_line *l, mcv_quant
     if (!begin(p, l))
         return mcv_edge_fail(
             p->edge, error,
-            "no edge crosses the rectangle: it must pass all of its length, near the middle");
+            "no edge crosses the rectangle: the edge must pass its whole length, near the middle");
     l->window = fmax(1, fmin(l->window, room_of(p, l)));
     for (int round = 0; round < ROUNDS; ++round) {
         const mcv_edge_line before = *l;
         if (!mcv_edge_find_plateaus(p, l))
-            return mcv_edge_fail(
-                p->edge, error,
-                "too little room beside it: the rectangle must hold more of both sides");
+            return mcv_edge_fail(p->edge, error,
+                                 "the rectangle holds too little of one side: make it larger");
         const double noise = hypot(l->left.uncertainty, l->right.uncertainty),
                      step = fabs(l->right.value - l->left.value);
         if (!(step > 5 * noise))
             return mcv_edge_fail(p->edge, error, "no edge: both sides are equally bright");
         if (!mcv_edge_fit_line(p, l))
-            return mcv_edge_fail(
-                p->edge, error,
-                "too little room beside it: the rectangle must hold more of both sides");
+            return mcv_edge_fail(p->edge, error,
+                                 "the rectangle holds too little of one side: make it larger");
         if (!mcv_edge_find_width(p, l, width))
             return mcv_edge_fail(p->edge, error, "no edge: its sides have no level between them");
         const double cosine = 1 / sqrt(1 + l->slope * l->slope);
@@ -137,7 +135,7 @@ mcv_result mcv_edge_locate(mcv_readings *readings, double least, mcv_edge *edge,
     if (!(noise[0] >= 0 && noise[1] >= 0))
         return mcv_edge_fail(
             edge, error,
-            "too little room beside it to see the image's noise: make the rectangle "
+            "the rectangle shows too little beside it to estimate the image's noise: make it "
             "larger, or give --noise");
     const mcv_edge_patch p = mcv_patch_of(readings, edge);
     const double left =
@@ -147,8 +145,10 @@ mcv_result mcv_edge_locate(mcv_readings *readings, double least, mcv_edge *edge,
         for (size_t column = 0; column < p.columns; ++column) {
             /* Between the plateaus the variance goes with the grey value, as that of light does. */
             const double share = fmin(1, fmax(0, (mcv_patch_value(&p, column, row) - left) / step));
-            readings->deviation.pixels[mcv_patch_index(&p, column, row)] =
-                (float)sqrt((1 - share) * noise[0] * noise[0] + share * noise[1] * noise[1]);
+            const size_t i = mcv_patch_index(&p, column, row);
+            readings->deviation.pixels[i] =
+                (float)sqrt((1 - share) * noise[0] * noise[0] + share * noise[1] * noise[1] +
+                            mcv_readings_render_variance(readings, i));
         }
     MCV_TRY(mcv_edge_find(readings, edge, error));
     edge->freedom =

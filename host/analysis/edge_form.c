@@ -7,7 +7,7 @@
 
 /* One row's place about the line, and a polynomial there with that of one degree less. */
 typedef struct row_place {
-    double off, from, variance, polynomial, before;
+    double off, from, shared, polynomial, before;
 } row_place;
 
 /*
@@ -20,7 +20,7 @@ static void find_sagitta(row_place *rows, size_t n, mcv_quantity *sagitta) {
     enum { ARC = 2, LAST = 8 };
     double norm = 1, arc = 0, others = 0, expected = 0, count = 0;
     for (size_t i = 0; i < n; ++i)
-        rows[i] = (row_place){rows[i].off, rows[i].from, rows[i].variance, 1, 0};
+        rows[i] = (row_place){rows[i].off, rows[i].from, rows[i].shared, 1, 0};
     for (int degree = 0; degree <= LAST && (size_t)degree + 2 < n; ++degree) {
         double square = 0, moment = 0, product = 0, noise = 0;
         for (size_t i = 0; i < n; ++i) {
@@ -28,7 +28,7 @@ static void find_sagitta(row_place *rows, size_t n, mcv_quantity *sagitta) {
             square += q * q;
             moment += q * q * rows[i].off;
             product += q * rows[i].from;
-            noise += q * q * rows[i].variance;
+            noise += q * q * rows[i].shared;
         }
         if (degree == ARC) *sagitta = (mcv_quantity){product / square, sqrt(noise) / square};
         if (degree > ARC) {
@@ -62,14 +62,14 @@ bool mcv_edge_find_form(const mcv_edge_patch *p, const mcv_edge_line *l, mcv_edg
                             .variance_slope = l->variance_slope};
     for (size_t row = 0; row < p->rows; ++row) {
         const double off = (double)row + 0.5 - l->middle;
-        double place, variance, slope[2];
-        if (!mcv_edge_find_row(p, l, row, &place, &variance, slope)) continue;
-        const double from = place - mcv_edge_line_column(l, (double)row + 0.5);
-        places[n++] = (row_place){.off = off, .from = from, .variance = variance};
+        mcv_edge_row found;
+        if (!mcv_edge_find_row(p, l, row, &found)) continue;
+        const double from = found.place - mcv_edge_line_column(l, (double)row + 0.5);
+        places[n++] = (row_place){.off = off, .from = from, .shared = found.shared};
         rows->spread += off * off;
         rows->squares += from * from;
-        rows->noise += variance;
-        rows->noise2 += variance * variance;
+        rows->noise += found.variance;
+        rows->noise2 += found.variance * found.variance;
     }
     rows->count = (double)n;
     find_sagitta(places, n, &edge->sagitta);

@@ -39,7 +39,7 @@ bool mcv_edge_find_plateaus(const mcv_edge_patch *p, mcv_edge_line *l) {
             const double off = (double)column + 0.5 - middle;
             if (fabs(off) < l->window + 0.5) continue;
             sums[off > 0] += mcv_patch_value(p, column, row);
-            variances[off > 0] += mcv_patch_variance(p, column, row);
+            variances[off > 0] += mcv_patch_summed_variance(p, column, row, 2);
             ++counts[off > 0];
         }
     }
@@ -48,45 +48,46 @@ bool mcv_edge_find_plateaus(const mcv_edge_patch *p, mcv_edge_line *l) {
     return fmin(counts[0], counts[1]) >= (double)p->rows;
 }
 
-bool mcv_edge_find_row(const mcv_edge_patch *p, const mcv_edge_line *l, size_t row, double *place,
-                       double *variance, double by_plateau[2]) {
+bool mcv_edge_find_row(const mcv_edge_patch *p, const mcv_edge_line *l, size_t row,
+                       mcv_edge_row *found) {
     const double middle = mcv_edge_line_column(l, (double)row + 0.5), from = middle - l->window,
                  to = middle + l->window;
     const double step = l->right.value - l->left.value;
     if (from < 0 || to > (double)p->columns) return false;
     double bright = 0;
-    *variance = 0;
+    *found = (mcv_edge_row){0};
     for (size_t column = (size_t)from; column < p->columns && (double)column < to; ++column) {
-        const double share = mcv_overlap(column, from, to);
+        const double share = mcv_overlap(column, from, to), part = share * share / (step * step);
         bright += share * (mcv_patch_value(p, column, row) - l->left.value) / step;
-        *variance += share * share * mcv_patch_variance(p, column, row) / (step * step);
+        found->variance += part * mcv_patch_summed_variance(p, column, row, 1);
+        found->shared += part * mcv_patch_summed_variance(p, column, row, 2);
     }
-    *place = to - bright;
-    by_plateau[0] = (2 * l->window - bright) / step;
-    by_plateau[1] = bright / step;
+    found->place = to - bright;
+    found->by_plateau[0] = (2 * l->window - bright) / step;
+    found->by_plateau[1] = bright / step;
     return true;
 }
 
 bool mcv_edge_fit_line(const mcv_edge_patch *p, mcv_edge_line *l) {
-    double n = 0, sum = 0, rows = 0;
-    double row_variance = 0, plateau[2] = {0}, place, variance, slope[2];
+    double n = 0, sum = 0, rows = 0, row_variance = 0, plateau[2] = {0};
+    mcv_edge_row found;
     for (size_t row = 0; row < p->rows; ++row) {
-        if (!mcv_edge_find_row(p, l, row, &place, &variance, slope)) continue;
+        if (!mcv_edge_find_row(p, l, row, &found)) continue;
         ++n;
         rows += (double)row + 0.5;
-        sum += place;
-        row_variance += variance;
-        for (int i = 0; i < 2; ++i) plateau[i] += slope[i];
+        sum += found.place;
+        row_variance += found.shared;
+        for (int i = 0; i < 2; ++i) plateau[i] += found.by_plateau[i];
     }
     if (2 * n < (double)p->rows || n < 3) return false;
     const double middle = rows / n;
     double xx = 0, xy = 0, vxx = 0;
     for (size_t row = 0; row < p->rows; ++row) {
         const double off = (double)row + 0.5 - middle;
-        if (!mcv_edge_find_row(p, l, row, &place, &variance, slope)) continue;
+        if (!mcv_edge_find_row(p, l, row, &found)) continue;
         xx += off * off;
-        xy += off * (place - sum / n);
-        vxx += off * off * variance;
+        xy += off * (found.place - sum / n);
+        vxx += off * off * found.shared;
     }
     *l = (mcv_edge_line){.at = sum / n,
                          .slope = xy / xx,

@@ -5,6 +5,7 @@
 
 #include "analysis/edge.h"
 #include "analysis/form.h"
+#include "analysis/region_noise.h"
 
 typedef struct mcv_edge_patch {
     const mcv_readings *readings;
@@ -25,6 +26,11 @@ static inline double mcv_patch_value(const mcv_edge_patch *p, size_t column, siz
 static inline double mcv_patch_variance(const mcv_edge_patch *p, size_t column, size_t row) {
     const double u = p->readings->deviation.pixels[mcv_patch_index(p, column, row)];
     return u * u;
+}
+
+static inline double mcv_patch_summed_variance(const mcv_edge_patch *p, size_t column, size_t row,
+                                               int directions) {
+    return mcv_readings_summed_variance(p->readings, mcv_patch_index(p, column, row), directions);
 }
 
 /* In the patch: column = at + slope (row - middle), both of pixel centres. `left` and `right` are
@@ -57,11 +63,16 @@ bool mcv_edge_is_across_rows(const mcv_readings *readings, const mcv_edge *edge)
 /* Plateaus from the pixels beyond the window. False where either has fewer than the rows. */
 bool mcv_edge_find_plateaus(const mcv_edge_patch *p, mcv_edge_line *l);
 
-/* Where an ideal step would hold the row's light inside the window; its variance by the row's own
- * pixels, and its slopes by the plateaus.
- */
-bool mcv_edge_find_row(const mcv_edge_patch *p, const mcv_edge_line *l, size_t row, double *place,
-                       double *variance, double by_plateau[2]);
+/* Where an ideal step would hold a row's light inside the window. */
+typedef struct mcv_edge_row {
+    double place, variance; /* by the row's own pixels */
+    double shared;          /* what it adds to the variance of a sum over many rows */
+    double by_plateau[2];   /* slopes of the place */
+} mcv_edge_row;
+
+/* False where the window leaves the patch. */
+bool mcv_edge_find_row(const mcv_edge_patch *p, const mcv_edge_line *l, size_t row,
+                       mcv_edge_row *found);
 
 /* Least squares through the rows' places. False where fewer than half of the rows have room for
  * their window. */

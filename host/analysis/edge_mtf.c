@@ -95,7 +95,7 @@ static mcv_result spread(const mcv_edge *edge, const mcv_edge_bins *b, const mcv
         if (n == 0)
             return mcv_edge_fail(
                 edge, error,
-                "its tilt leaves phases of the pixel grid unseen: tilt it by 2° to 10°");
+                "at its tilt some phases of the pixel grid are not sampled: tilt it by 2° to 10°");
         m->place[i] = b->place[i] / n;
         m->esf[i] = (mcv_quantity){(b->sum[i] / n - l->left.value) / step,
                                    sqrt(b->variance[i]) / (n * fabs(step))};
@@ -132,9 +132,11 @@ mcv_result mcv_edge_spread(const mcv_readings *readings, const mcv_edge *edge, m
     if (fabs(l.slope) * (double)p.rows < 1)
         return mcv_edge_fail(
             edge, error,
-            "it runs along the pixel grid, so its sharpness cannot be seen: tilt it by 2° to 10°");
+            "it runs along the pixel grid, so its sharpness cannot be measured: tilt it by 2° to "
+            "10°");
     if (!mcv_edge_fill_bins(&p, &l, &b))
-        return mcv_edge_fail(edge, error, "too little room beside it for its spread function");
+        return mcv_edge_fail(edge, error,
+                             "the rectangle shows too little beside it for its spread function");
     const mcv_result result = spread(edge, &b, &l, mtf, error);
     mcv_edge_bins_free(&b);
     if (result != MCV_OK) mcv_edge_mtf_free(mtf);

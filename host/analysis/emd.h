@@ -1,27 +1,28 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The Earth Mover's Distance of two histograms of J x K bins: the least cost of moving the one onto
- * the other, exactly. Moving a unit of mass by (Δj, Δk) bins costs c = √((Δj/J)² + (Δk/K)²), a
- * fraction of the pupil. Two rules for masses that differ:
+ * The Earth Mover's Distance of two histograms of J x K bins: the least cost of moving one onto the
+ * other, exactly. Moving a unit of mass by (Δj, Δk) bins costs c = √((Δj/J)² + (Δk/K)²), a fraction
+ * of the pupil. There are two forms for histograms of different masses:
  *
- *   normalized  each histogram has mass 1; both empty: 0, one empty: max(c). Sees how light is
- * distributed, not how much it is mass        the smaller mass is moved at the least cost, what is
- * left over costs ½ max(c) per unit: sees absorption as well
+ *     normalized  Each histogram has mass 1. Two empty ones have the distance 0, one empty one
+ *                 max(c). It shows the distribution of light, not its amount.
+ *     mass        The smaller mass is moved at the least cost; the rest costs ½ max(c) per unit.
+ *                 It shows absorption too.
  *
  * Y. Rubner, C. Tomasi, L. J. Guibas, The Earth Mover's Distance as a Metric for Image Retrieval,
  * IJCV 40 (2000); the penalty: O. Pele, M. Werman, A Linear Time Histogram Metric for Improved SIFT
  * Matching, ECCV 2008.
  *
- * Solved by the network simplex method on what is left of the histograms after min(P, Q) is taken
- * from both, which in a metric never has to move. Amounts are 52-bit integers, so none gets lost
- * and degenerate pivots cannot cycle.
+ * First min(P, Q) is subtracted from both histograms: with a metric this mass never has to move.
+ * The network simplex method solves the rest. Amounts are 52-bit integers, so no mass is lost and
+ * degenerate pivots cannot cycle.
  */
 #ifndef MCVISI_HOST_ANALYSIS_EMD_H
 #define MCVISI_HOST_ANALYSIS_EMD_H
 
 #include "core/error.h"
 
-/* J K at most: beyond it a single pair would take seconds. */
+/* Largest J K: with more, a single pair would take seconds. */
 enum { MCV_EMD_MAX_BINS = 1024 };
 
 typedef enum mcv_emd_form { MCV_EMD_NORMALIZED, MCV_EMD_MASS } mcv_emd_form;
@@ -39,10 +40,10 @@ double mcv_emd_max_cost(const mcv_emd *emd);
 /*
  * The distance of p and q, both [row][column], finite and not below 0.
  *
- * potential (J K values, or NULL) gets a proof that no plan is cheaper (Kantorovich's dual): it
- * changes by at most c between any two bins, and Σ f (Q - P) - (ΣQ - ΣP) (max f where ΣQ > ΣP, else
- * min f) is the cost of moving. No such f can give more than the least cost, this one gives the
- * cost of the plan that was found, up to rounding: 1e-9 of the distance, asserted in debug builds.
+ * potential (J K values, or NULL) gets a proof that no plan is cheaper (Kantorovich's dual). It
+ * changes by at most c between any two bins, and Σ f (Q - P) - (ΣQ - ΣP) (max f if ΣQ > ΣP, else
+ * min f) is the cost of moving. No such f gives more than the least cost; this one gives the cost
+ * of the plan, up to rounding: 1e-9 of the distance, asserted in debug builds.
  */
 double mcv_emd_distance(mcv_emd *emd, const double *p, const double *q, mcv_emd_form form,
                         double *potential);

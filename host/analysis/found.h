@@ -36,7 +36,7 @@ bool mcv_found_is_round(const mcv_found *found);
  * From a to b, neither a caliper, a no circle unless b is one: in pixels, and the unit vector along
  * which it counts. NaN between edges and lines that are not parallel within 10°.
  */
-#define MCV_NOT_PARALLEL "they are not parallel within 10°, and have no distance"
+#define MCV_NOT_PARALLEL "they are not parallel within 10°, so they have no distance"
 mcv_quantity mcv_found_distance(const mcv_found *a, const mcv_found *b, double direction[2]);
 
 /* Metres in the object for a pixel along a direction, or in every direction (NULL); NaN where that

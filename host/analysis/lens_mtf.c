@@ -79,7 +79,7 @@ mcv_result mcv_mtf_read(const char *path, mcv_mtf_row **rows, size_t *count, mcv
     }
     if (result == MCV_OK && *count == MAX_ROWS)
         result =
-            mcv_fail(error, MCV_BAD_INPUT, "%s: has %d rows or more: thin it out", path, MAX_ROWS);
+            mcv_fail(error, MCV_BAD_INPUT, "%s: has %d rows or more: remove some", path, MAX_ROWS);
     if (result == MCV_OK && *count < 2)
         result = mcv_fail(error, MCV_BAD_INPUT, "%s: %zu rows make no MTF: at least 2 are needed",
                           path, *count);

@@ -12,8 +12,8 @@ mcv_result mcv_light_field_check(const char *path, const mcv_image *image,
     if (angular[0] == 0 || angular[1] == 0 || image->width % angular[0] ||
         image->height % angular[1])
         return mcv_fail(error, MCV_BAD_INPUT,
-                        "%s: %u x %u pixels are no whole number of macro pixels of %u x %u", path,
-                        image->width, image->height, angular[0], angular[1]);
+                        "%s: its %u x %u pixels must be a whole number of macro pixels of %u x %u",
+                        path, image->width, image->height, angular[0], angular[1]);
     const size_t pixels = (size_t)image->width * image->height;
     bool light = false;
     for (size_t i = 0; i < pixels * image->channels; ++i) {
@@ -27,7 +27,7 @@ mcv_result mcv_light_field_check(const char *path, const mcv_image *image,
     }
     if (!light)
         return mcv_fail(error, MCV_BAD_INPUT,
-                        "%s: all of the image is dark: there must be a pixel above 0", path);
+                        "%s: the whole image is dark: there must be a pixel above 0", path);
     return MCV_OK;
 }
 

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Images of a light field camera: M·J x N·K pixels, each macro pixel J x K of them, angular = {J,
- * K}. Pixel (j, k) of a macro pixel sees through the place (j, k) of the lens, upright and row 0 on
- * top, as everywhere.
+ * Images of a light field camera: M·J x N·K pixels, J x K for each macro pixel; angular = {J, K}.
+ * Pixel (j, k) of a macro pixel sees through the position (j, k) of the lens, upright, with row 0
+ * on top.
  */
 #ifndef MCVISI_HOST_ANALYSIS_LIGHTFIELD_H
 #define MCVISI_HOST_ANALYSIS_LIGHTFIELD_H
@@ -11,30 +11,29 @@
 #include "film/film.h"
 
 /*
- * Whether the image can be one: whole macro pixels, no NaN or infinity, light somewhere.
- * MCV_BAD_INPUT with a sentence that names path. The functions below ask it of their input.
+ * Checks that the image is a valid one: whole macro pixels, no NaN or infinity, not all dark.
+ * MCV_BAD_INPUT with a sentence that names path. The functions below require it.
  */
 mcv_result mcv_light_field_check(const char *path, const mcv_image *image,
                                  const uint32_t angular[2], mcv_error *error);
 
 /*
- * The sub-aperture views, J x K images of M x N pixels side by side: the view through the lens's
- * upper left corner stands in the upper left corner. Keeps the channels.
+ * The sub-aperture views, J x K images of M x N pixels side by side. The view through the lens's
+ * upper left corner is in the upper left corner. Keeps the channels.
  */
 mcv_result mcv_light_field_views(const mcv_image *image, const uint32_t angular[2],
                                  mcv_image *views, mcv_error *error);
 
-/* What a plain camera would see: the sum over each macro pixel and the channels, M x N. */
+/* The image of a plain camera: the sum over each macro pixel and the channels, M x N. */
 mcv_result mcv_light_field_plain(const mcv_image *image, const uint32_t angular[2],
                                  mcv_image *plain, mcv_error *error);
 
 /*
- * The Earth Mover's gradient, M x N: ½ √(d_x² + d_y²) with d_x and d_y the distances (emd.h, in
- * fractions of the pupil) of the macro pixels left and right of, above and below each one. The
- * border, which lacks a neighbour, is NaN. Histograms are the sums over channels (what noise made
- * negative counts as 0), divided by the median mass of the macro pixels that are not empty: one
- * number for the image, which only the form `mass` feels. Any number of threads (0: one per core)
- * gives the same bits.
+ * The Earth Mover's gradient, M x N: ½ √(d_x² + d_y²). d_x and d_y are the distances (emd.h, in
+ * fractions of the pupil) between the macro pixels left and right, above and below. The border has
+ * no neighbours and is NaN. Histograms are sums over channels; negative values from noise count as
+ * 0. They are divided by the median mass of the non-empty macro pixels, one number per image, which
+ * affects only the form `mass`. Any number of threads (0: one per core) gives the same bits.
  *
  * After J. Meyer, T. Längle, J. Beyerer, About the acquisition and processing of ray deflection
  * histograms for transparent object inspection, Irish Machine Vision and Image Processing

@@ -23,15 +23,16 @@ static mcv_result find_angular(const char *path, const mcv_exr *exr, uint32_t an
     static const char name[] = "mcvisi:angularResolution";
     double numbers[2] = {0};
     if (!mcv_exr_attribute(exr, name))
-        return mcv_fail(error, MCV_BAD_INPUT,
-                        "%s: is no image of a light field camera, or its header lacks %s: give the "
-                        "pixels of a macro pixel by --angular JxK",
-                        path, name);
+        return mcv_fail(
+            error, MCV_BAD_INPUT,
+            "%s: its header has no %s: give the pixels of a macro pixel by --angular JxK, or an "
+            "image of a light field camera",
+            path, name);
     MCV_TRY(mcv_light_field_attribute(path, exr, name, numbers, 2, error));
     for (int i = 0; i < 2; ++i) {
         if (!(numbers[i] >= 1 && numbers[i] <= MCV_EXR_MAX_SIDE) || numbers[i] != floor(numbers[i]))
             return mcv_fail(error, MCV_BAD_INPUT,
-                            "%s: %s %g x %g in the header: must be two whole numbers from 1 on",
+                            "%s: %s %g x %g in the header: must be two integers of at least 1",
                             path, name, numbers[0], numbers[1]);
         angular[i] = (uint32_t)numbers[i];
     }
@@ -40,8 +41,8 @@ static mcv_result find_angular(const char *path, const mcv_exr *exr, uint32_t an
 
 /* The first three channels are R, G, B where there are any; without them Y, or the only channel, is
  * the light. */
-static mcv_result find_light(const char *path, const mcv_exr_part *part, mcv_image *light,
-                             mcv_error *error) {
+mcv_result mcv_light_field_light(const char *path, const mcv_exr_part *part, mcv_image *light,
+                                 mcv_error *error) {
     *light = part->image;
     if (light->channels >= 3 && strcmp(part->channel_names[0], "R") == 0) {
         light->channels = 3;
@@ -60,7 +61,7 @@ static mcv_result find_light(const char *path, const mcv_exr_part *part, mcv_ima
 static mcv_result understand(const char *path, const uint64_t angular[2],
                              mcv_light_field_file *file, mcv_error *error) {
     double black = 0;
-    MCV_TRY(find_light(path, file->exr.parts, &file->image, error));
+    MCV_TRY(mcv_light_field_light(path, file->exr.parts, &file->image, error));
     if (angular[0] > 0) {
         file->angular[0] = (uint32_t)angular[0];
         file->angular[1] = (uint32_t)angular[1];

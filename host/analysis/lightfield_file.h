@@ -29,4 +29,8 @@ void mcv_light_field_free(mcv_light_field_file *file);
 mcv_result mcv_light_field_attribute(const char *path, const mcv_exr *exr, const char *name,
                                      double *numbers, uint32_t count, mcv_error *error);
 
+/* The light of a part of such a file, as in `image` above; belongs to the part. */
+mcv_result mcv_light_field_light(const char *path, const mcv_exr_part *part, mcv_image *light,
+                                 mcv_error *error);
+
 #endif

@@ -114,11 +114,11 @@ mcv_result mcv_line_locate(mcv_readings *readings, double least, mcv_line *line,
         const mcv_edge *first = &line->edge;
         const double turn = edge.normal[0] * first->normal[0] + edge.normal[1] * first->normal[1];
         if (edge.across_rows != first->across_rows || turn < 0)
-            result = mcv_fail(error, MCV_FAILED,
-                              "line %s: the edge in box %zu is not one line with that in the "
-                              "first: it must run the same way, bright on the "
-                              "same side",
-                              first->name, i + 1);
+            result = mcv_fail(
+                error, MCV_FAILED,
+                "line %s: the edges in box %zu and in the first box must form one line: they must "
+                "have one direction and be bright on the same side",
+                first->name, i + 1);
     }
     if (result == MCV_OK) fit(rows, line->box_count, freedom, line);
     free(rows);
@@ -135,8 +135,7 @@ mcv_result mcv_caliper_parse(const char *text, size_t number, const mcv_image *i
                             error));
     if (caliper->box.width == caliper->box.height)
         return mcv_fail(error, MCV_USAGE,
-                        "caliper %s is square: make it longer along the width to be measured",
-                        text);
+                        "caliper %s is square: make it longer in the direction of the width", text);
     return MCV_OK;
 }
 
@@ -215,11 +214,11 @@ mcv_result mcv_caliper_locate(mcv_readings *readings, double least, mcv_caliper 
         snprintf(edge->name, sizeof edge->name, "%.*s, %s edge",
                  mcv_whole_characters(caliper->name, 40), caliper->name, i ? "second" : "first");
         if (reach < 5)
-            return mcv_fail(error, MCV_FAILED,
-                            "caliper %s: the box must hold two opposite edges across its longer "
-                            "side, 10 pixels apart or more, and 5 pixels "
-                            "beyond each",
-                            caliper->name);
+            return mcv_fail(
+                error, MCV_FAILED,
+                "caliper %s: the box must hold two opposite edges across its longer side, at least "
+                "10 pixels apart, and at least 5 pixels beyond each",
+                caliper->name);
         *(lying ? &edge->box.x : &edge->box.y) += middle - reach;
         *(lying ? &edge->box.width : &edge->box.height) = 2 * reach + 1;
         MCV_TRY(mcv_edge_locate(readings, least, edge, error));

@@ -152,10 +152,11 @@ static mcv_result fail_box(const mcv_places *places, const char *name, const cha
     if (given == 0)
         return mcv_fail(error, MCV_USAGE, "metric %s: give %s, %s", name, options, what);
     if (dot)
-        return mcv_fail(error, MCV_USAGE, "metric %s: there is no %s of the name \"%.*s\"", name,
+        return mcv_fail(error, MCV_USAGE, "metric %s: there is no %s with the name \"%.*s\"", name,
                         options, (int)(dot - name), name);
-    return mcv_fail(error, MCV_USAGE, "metric %s: is from the first %s to another: name the other",
-                    name, options);
+    return mcv_fail(error, MCV_USAGE,
+                    "metric %s: is a distance from the first %s: name the other one", name,
+                    options);
 }
 
 static mcv_result choose(const mcv_places *places, const char *name, choice *out,
@@ -171,22 +172,22 @@ static mcv_result choose(const mcv_places *places, const char *name, choice *out
         return fail_figure(name, out->figure, error);
     if (contrast && !places->background)
         return mcv_fail(error, MCV_USAGE,
-                        "metric %s: give --background, the region that it stands out of", name);
+                        "metric %s: give --background, the region to compare with", name);
     if (!boxed) {
         if (dot && !find_named(places->regions, name, (size_t)(dot - name), &out->index))
             return mcv_fail(error, MCV_USAGE,
-                            "metric %s: there is no --region of the name \"%.*s\"", name,
+                            "metric %s: there is no --region with the name \"%.*s\"", name,
                             (int)(dot - name), name);
         return MCV_OK;
     }
     if (!find_box(places, name, dot, out)) return fail_box(places, name, dot, out->figure, error);
     if (is_distance(out->figure) && out->form == first_like(places, out->form) && out->index == 0)
         return mcv_fail(error, MCV_USAGE,
-                        "metric %s: is from the first --%s to another: name the other", name,
+                        "metric %s: is a distance from the first --%s: name the other one", name,
                         forms[out->form].option);
     if (is_from_line(out->figure) && first_straight(places) == MCV_FORM_COUNT)
-        return mcv_fail(error, MCV_USAGE, "metric %s: give --edge or --line, from which it counts",
-                        name);
+        return mcv_fail(error, MCV_USAGE,
+                        "metric %s: give the --edge or --line from which it is measured", name);
     return MCV_OK;
 }
 
@@ -205,8 +206,8 @@ static void know_noise(mcv_metrics *m, mcv_roi *region) {
 
 void mcv_samples_words(double samples, char words[160]) {
     snprintf(words, 160,
-             "the render's own error hides the deviation: %.2g times its samples are needed at "
-             "least, or the noise of a camera",
+             "the render's own noise is larger than the deviation: render at least %.2g times as "
+             "many samples, or add a camera's noise",
              samples);
 }
 
@@ -335,6 +336,7 @@ mcv_result mcv_metric_look_up(void *user, const char *name, mcv_quantity *quanti
     MCV_TRY(chosen.form < MCV_FORM_COUNT ? measure_box(m, &chosen, quantity, error)
                                          : measure_region(m, &chosen, quantity, error));
     if (isnan(quantity->value))
-        return mcv_fail(error, MCV_FAILED, "metric %s: the image gives no such figure", name);
+        return mcv_fail(error, MCV_FAILED, "metric %s: this figure cannot be measured in the image",
+                        name);
     return MCV_OK;
 }

@@ -76,10 +76,11 @@ static mcv_result resolve_place(const char *what, const char *text, const char *
                         "left=@part:-20mm,0mm,3mm,2mm,4mm",
                         what, text);
     if (!model)
-        return mcv_fail(error, MCV_USAGE,
-                        "%s %s: the image's header does not say where the node lies: give --scene, "
-                        "or pixels X,Y,W,H",
-                        what, text);
+        return mcv_fail(
+            error, MCV_USAGE,
+            "%s %s: the image's header does not state where the node lies: give --scene, or "
+            "pixels X,Y,W,H",
+            what, text);
     char *name = strndup(place, (size_t)(colon - place)), where[256];
     if (!name) return mcv_fail(error, MCV_FAILED, "%s %s: no memory for its node", what, text);
     snprintf(where, sizeof where, "%s %s", what, text);

@@ -17,16 +17,16 @@ mcv_result mcv_camera_check_settings(const mcv_camera_settings *settings, mcv_er
     const int scales = (settings->electrons_per_unit[0] > 0) + (settings->expose_to > 0);
     if (scales > 1 || (scales == 0 && settings->exposure_time == 0))
         return mcv_fail(error, MCV_USAGE,
-                        "the scale from light to electrons must be given once: by --exposure-time, "
-                        "--electrons-per-unit or --expose-to");
+                        "the conversion from light to electrons must be given exactly once: by "
+                        "--exposure-time, --electrons-per-unit or --expose-to");
     if (scales == 1 && settings->exposure_time > 0 && !(settings->dark_current > 0))
-        return mcv_fail(error, MCV_USAGE,
-                        "--exposure-time says nothing beside %s but how long the dark current "
-                        "flows: leave one of them out, or give --dark-current",
-                        settings->expose_to > 0 ? "--expose-to" : "--electrons-per-unit");
+        return mcv_fail(
+            error, MCV_USAGE,
+            "with %s, --exposure-time only scales the dark current: leave one of them out, or "
+            "give --dark-current",
+            settings->expose_to > 0 ? "--expose-to" : "--electrons-per-unit");
     if (settings->dark_current > 0 && settings->exposure_time == 0)
-        return mcv_fail(error, MCV_USAGE,
-                        "--dark-current needs the time that it flows: give --exposure-time");
+        return mcv_fail(error, MCV_USAGE, "--dark-current needs a time: give --exposure-time");
     const mcv_camera *camera = &settings->camera;
     if (camera->black_level >> camera->bits)
         return mcv_fail(error, MCV_USAGE,
@@ -47,11 +47,11 @@ static mcv_result check_quantity(const mcv_camera_settings *settings, const char
                         "as `mcvisi render` writes it",
                         path, name ? name : "missing");
     if (!irradiance && settings->electrons_per_unit[0] == 0 && settings->expose_to == 0)
-        return mcv_fail(error, MCV_BAD_INPUT,
-                        "%s: is radiance, which --exposure-time cannot turn into electrons: render "
-                        "it with \"radiometry\": \"irradiance\", or give "
-                        "--electrons-per-unit or --expose-to",
-                        path);
+        return mcv_fail(
+            error, MCV_BAD_INPUT,
+            "%s: is radiance, which --exposure-time cannot convert to electrons: render it with "
+            "\"radiometry\": \"irradiance\", or give --electrons-per-unit or --expose-to",
+            path);
     *unit = irradiance ? "W/m^2" : "W/(m^2 sr)";
     return MCV_OK;
 }
@@ -90,7 +90,7 @@ static mcv_result scale_light(const mcv_camera_settings *settings, const char *p
     const mcv_quantity level = mcv_camera_level(light, mcv_exr_error(exr), per_unit);
     if (!(level.value > 0))
         return mcv_fail(error, MCV_BAD_INPUT,
-                        "%s: is dark everywhere: --expose-to has nothing to scale by", path);
+                        "%s: is dark everywhere, so --expose-to cannot scale it", path);
     for (int c = 0; c < 3; ++c)
         per_unit[c] *= settings->expose_to * settings->camera.full_well / level.value;
     out->level = level.uncertainty / level.value;
@@ -119,10 +119,11 @@ static mcv_result blur(const mcv_camera_settings *settings, const char *path, mc
         return MCV_OK;
     if (!pixel_size(exr, size)) {
         if (!table) return MCV_OK;
-        return mcv_fail(error, MCV_BAD_INPUT,
-                        "%s: mcvisi:pixelSize [m] is missing in its header, without which "
-                        "--lens-mtf has no scale",
-                        path);
+        return mcv_fail(
+            error, MCV_BAD_INPUT,
+            "%s: mcvisi:pixelSize [m] is missing in its header, which --lens-mtf needs as its "
+            "scale",
+            path);
     }
     if (!table && !f_number) return MCV_OK;
     for (int c = 0; c < 3; ++c) {

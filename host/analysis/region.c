@@ -57,10 +57,10 @@ static mcv_result fill_polygon(const char *text, const double *corners, size_t c
     for (size_t i = 0; i < count; ++i)
         if (!(corners[2 * i] >= 0 && corners[2 * i] <= region->width && corners[2 * i + 1] >= 0 &&
               corners[2 * i + 1] <= region->height))
-            return mcv_fail(error, MCV_USAGE,
-                            "region %s reaches to column %g, row %g: the image has %u x %u pixels",
-                            text, corners[2 * i], corners[2 * i + 1], region->width,
-                            region->height);
+            return mcv_fail(
+                error, MCV_USAGE,
+                "region %s extends to column %g, row %g: the image has only %u x %u pixels", text,
+                corners[2 * i], corners[2 * i + 1], region->width, region->height);
     for (uint32_t y = 0; y < region->height; ++y)
         for (uint32_t x = 0; x < region->width; ++x)
             region->inside[(size_t)y * region->width + x] =
@@ -112,7 +112,7 @@ mcv_result mcv_roi_parse(const char *text, size_t number, const mcv_image *image
         region->count += region->inside[i];
     }
     if (result == MCV_OK && region->count == 0)
-        result = mcv_fail(error, MCV_USAGE, "region %s holds no pixel of the image", text);
+        result = mcv_fail(error, MCV_USAGE, "region %s contains no pixel of the image", text);
     if (result != MCV_OK) mcv_roi_free(region);
     return result;
 }

@@ -5,6 +5,8 @@
 
 #include "analysis/region.h"
 
+#include <math.h>
+
 /* The variance of a pixel that is the render's error; 0 where there is none. */
 static inline double mcv_readings_render_variance(const mcv_readings *r, size_t i) {
     return r->render.pixels ? (double)r->render.pixels[i] * r->render.pixels[i] : 0;
@@ -13,6 +15,16 @@ static inline double mcv_readings_render_variance(const mcv_readings *r, size_t 
 /* How neighbours share the render's error; independent pixels where nothing blurred it. */
 static inline mcv_correlation mcv_readings_correlation(const mcv_readings *r) {
     return r->correlation.sum > 0 ? r->correlation : (mcv_correlation){1, 1, 1, 1};
+}
+
+/*
+ * What a pixel adds to the variance of a sum over many neighbours in one direction or in two: in
+ * two its error counts with all that it is correlated with. That of one is the root, for a blur
+ * that is the same all round.
+ */
+static inline double mcv_readings_summed_variance(const mcv_readings *r, size_t i, int directions) {
+    const double u = r->deviation.pixels[i], sum = mcv_readings_correlation(r).sum;
+    return u * u + ((directions == 1 ? sqrt(sum) : sum) - 1) * mcv_readings_render_variance(r, i);
 }
 
 /*

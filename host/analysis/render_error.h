@@ -4,8 +4,11 @@
  * header of PNG and TIFF (mcv_render_error of scene/camera_model.h).
  *
  * Each cell of the image has two errors, for pixels below and above the middle of its grey values,
- * so that a contour may run through it. Their squares are means over these pixels: sums of
- * variances over whole cells are those of the pixels, to the rounding of the header.
+ * so that a contour may run through it. At the contour the error is larger: of a pixel's samples a
+ * share c sees one side, and the variance goes with c (1 - c). So does (largest - value)(value -
+ * smallest) of the 3 x 3 pixels about it, to which what quiet pixels do not have is given.
+ * Sums of variances over the pixels of either side of a cell are those of the pixels, to the
+ * rounding of the header.
  */
 #ifndef MCVISI_HOST_ANALYSIS_RENDER_ERROR_H
 #define MCVISI_HOST_ANALYSIS_RENDER_ERROR_H

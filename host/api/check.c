@@ -12,8 +12,8 @@
 static mcv_result report_scene(const mcv_command *command, const mcv_scene *scene, char **report,
                                mcv_error *error) {
     mcv_report r;
-    mcv_report_begin(&r, true, NULL);
-    const mcv_result result = mcv_check(command, scene, &r, error);
+    mcv_result result = mcv_report_keep(&r, command->json, error);
+    if (result == MCV_OK) result = mcv_check(command, scene, &r, error);
     if (result == MCV_OK) return mcv_report_take(&r, report, error);
     mcv_report_free(&r);
     return result;
@@ -21,7 +21,7 @@ static mcv_result report_scene(const mcv_command *command, const mcv_scene *scen
 
 static mcv_result check(mcv_session *session, const mcv_rig *rig, const char *options,
                         char **report, mcv_error *error) {
-    static const char *const without[] = {"json", "defines", NULL};
+    static const char *const without[] = {"defines", NULL};
     const char *const arguments[2] = {rig->document.path};
     mcv_options_given given;
     mcv_scene *scene = NULL;

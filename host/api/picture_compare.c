@@ -28,7 +28,7 @@ static mcv_result compare_both(const mcv_compared *a, const mcv_compared *b,
     mcv_comparison comparison;
     mcv_report r;
     MCV_TRY(mcv_compare(a, b, &comparison, error));
-    mcv_report_begin(&r, true, NULL);
+    MCV_TRY(mcv_report_keep(&r, true, error));
     mcv_compare_report(a, b, &comparison, &r);
     MCV_TRY(mcv_report_take(&r, report, error));
     if (!difference) return MCV_OK;

@@ -119,7 +119,7 @@ static mcv_result expose(const mcv_command *command, const mcv_picture *picture,
     MCV_TRY(result);
     result = mcv_picture_of(&values, picture->path, grey, error);
     if (result != MCV_OK || !report) return result;
-    mcv_report_begin(&r, true, NULL);
+    MCV_TRY(mcv_report_keep(&r, command->json, error));
     mcv_grey_warn(picture->path, &(*grey)->exr, &out, &r);
     mcv_grey_report(command, picture->path, NULL, &(*grey)->exr, &out, &r);
     return mcv_report_take(&r, report, error);
@@ -127,7 +127,7 @@ static mcv_result expose(const mcv_command *command, const mcv_picture *picture,
 
 static mcv_result camera(const mcv_picture *picture, const char *options, mcv_picture **grey,
                          char **report, mcv_error *error) {
-    static const char *const without[] = {"output", "json", NULL};
+    static const char *const without[] = {"output", NULL};
     const char *const arguments[2] = {picture->path};
     mcv_options_given given;
     MCV_TRY(mcv_options_read(options, NULL, MCV_VERB_CAMERA, arguments, without, &given, error));
@@ -158,8 +158,8 @@ static mcv_result measure_scene(const mcv_command *command, const mcv_picture *p
     mcv_scene *scene = NULL;
     mcv_report r;
     if (rig) MCV_TRY(mcv_session_scene(NULL, rig, command, &scene, error));
-    mcv_report_begin(&r, true, NULL);
-    const mcv_result result = mcv_measure(command, picture, minus, scene, &r, error);
+    mcv_result result = mcv_report_keep(&r, command->json, error);
+    if (result == MCV_OK) result = mcv_measure(command, picture, minus, scene, &r, error);
     mcv_scene_free(scene);
     if (result == MCV_OK) return mcv_report_take(&r, report, error);
     mcv_report_free(&r);
@@ -168,11 +168,10 @@ static mcv_result measure_scene(const mcv_command *command, const mcv_picture *p
 
 static mcv_result measure(const mcv_picture *picture, const mcv_picture *minus, const mcv_rig *rig,
                           const char *options, char **report, mcv_error *error) {
-    static const char *const without[] = {"minus", "scene", "json", NULL};
+    static const char *const without[] = {"minus", "scene", NULL};
     const char *const arguments[2] = {picture->path};
     mcv_options_given given;
     MCV_TRY(mcv_options_read(options, NULL, MCV_VERB_MEASURE, arguments, without, &given, error));
-    given.command.json = true;
     const mcv_result result = measure_scene(&given.command, picture, minus, rig, report, error);
     mcv_options_free(&given);
     return result;

@@ -16,7 +16,7 @@
 static mcv_result tell_of_new(const mcv_rig_design *design, char **report, mcv_error *error) {
     mcv_report r;
     if (!report) return MCV_OK;
-    mcv_report_begin(&r, true, NULL);
+    MCV_TRY(mcv_report_keep(&r, true, error));
     mcv_new_report(design, &r);
     mcv_new_warn(design, &r);
     return mcv_report_take(&r, report, error);
@@ -78,7 +78,7 @@ mcv_result mcv_rig_new(const char *kind, const char *part, const char *options, 
 static mcv_result tell_of_lens(const mcv_lens_report *lens, char **report, mcv_error *error) {
     mcv_report r;
     if (!report) return MCV_OK;
-    mcv_report_begin(&r, true, NULL);
+    MCV_TRY(mcv_report_keep(&r, true, error));
     mcv_import_report(lens, &r);
     return mcv_report_take(&r, report, error);
 }

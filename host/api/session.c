@@ -32,7 +32,7 @@ mcv_result mcv_options_schema(const char *verb, char **schema, mcv_error *error)
 static mcv_result list_devices(char **report, mcv_error *error) {
     mcv_report r;
     mcv_error none = {""};
-    mcv_report_begin(&r, true, NULL);
+    MCV_TRY(mcv_report_keep(&r, true, error));
     mcv_report_list(&r, "devices");
     const mcv_result result = mcv_cl_list(mcv_report_device, &r, &none);
     mcv_report_close(&r);

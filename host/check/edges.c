@@ -1,21 +1,23 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Edges of meshes: is a body closed, and which triangles are neighbours? */
+/* The edges of meshes: which bodies are closed, and which triangles are neighbours. */
 #include "check/findings.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-/* Which vertex (of all the instances') stands where. */
+/* A vertex of one of the instances, with its position. */
 typedef struct vertex {
     float position[3];
     uint32_t number;
 } vertex;
 
-/* An edge between two welded vertices; +1 if run from the lower to the higher number, else -1. */
+/* An edge between two welded vertices: +1 if it runs from the lower to the higher index, else
+ * -1. */
 typedef struct edge {
     uint32_t low, high;
     int32_t run;
-    uint32_t corner; /* of all triangles', 3 each: it runs from there to the triangle's next one */
+    uint32_t corner; /* index of its first corner, 3 per triangle; it runs to the triangle's next
+                        corner */
 } edge;
 
 static int compare_vertices(const void *a, const void *b) {

@@ -28,12 +28,13 @@ static bool is_flat(const mcv_mesh *mesh, int *flat) {
     return false;
 }
 
-/* What lies before a rectangle within `tangent` of its edge, per depth: what a light can reach at
- * the very most. */
+/* The space before a rectangle within `tangent` of its edge, per depth: an upper bound of what its
+ * light can reach. */
 typedef struct beam {
-    double origin[3], axes[3][3]; /* unit: two along the rectangle, the third in which it shines */
-    double lower[2], upper[2];    /* along the first two axes, from the origin */
-    double tangent;               /* or infinite */
+    double origin[3],
+        axes[3][3]; /* unit: two along the rectangle, the third in the direction of emission */
+    double lower[2], upper[2]; /* along the first two axes, from the origin */
+    double tangent;            /* or infinite */
 } beam;
 
 static void to_beam(const beam *b, const double world[3], double local[3]) {
@@ -42,7 +43,7 @@ static void to_beam(const beam *b, const double world[3], double local[3]) {
     for (int k = 0; k < 3; ++k) local[k] = mcv_dot3(from, b->axes[k]);
 }
 
-/* Of a flat instance. False where it is not flat, or where its triangles face both ways. */
+/* The beam of a flat instance. False if it is not flat, or if its triangles face both ways. */
 static bool beam_of(const mcv_scene *scene, uint32_t instance, beam *b) {
     const mcv_mesh *mesh = scene->meshes + scene->instances[instance].mesh;
     const double *m = scene->instances[instance].to_world.m;
@@ -75,8 +76,8 @@ static bool beam_of(const mcv_scene *scene, uint32_t instance, beam *b) {
     return true;
 }
 
-/* Does any of a box, given in the beam's axes, lie in the beam? Close to its edge the answer may be
- * yes for no. */
+/* Does a part of a box, given in the beam's axes, lie in the beam? Near its edge the answer may be
+ * a false yes. */
 static bool meets_box(const beam *b, const double lower[3], const double upper[3]) {
     if (!(upper[2] > 0)) return false;
     if (!isfinite(b->tangent)) return true;
@@ -88,7 +89,7 @@ static bool meets_box(const beam *b, const double lower[3], const double upper[3
     return aside <= b->tangent * upper[2];
 }
 
-/* Does any of an instance's box along the beam lie in it? */
+/* Does a part of an instance's box, along the beam's axes, lie in the beam? */
 static bool meets_instance(const beam *b, const mcv_scene *scene, uint32_t instance) {
     const uint32_t vertices = scene->meshes[scene->instances[instance].mesh].vertex_count;
     double lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY};
@@ -110,7 +111,7 @@ static bool meets_a_mesh(const beam *b, const mcv_scene *scene, uint32_t except)
     return false;
 }
 
-/* Is any of an instance before the sensor's lens? */
+/* Does a part of an instance lie before the sensor's lens? */
 static bool before(const mcv_sensor *sensor, const mcv_scene *scene, uint32_t instance) {
     const mcv_view view = {.sensor = sensor};
     for (uint32_t v = 0; v < scene->meshes[scene->instances[instance].mesh].vertex_count; ++v) {
@@ -133,8 +134,7 @@ static bool meets_lens(const beam *b, const mcv_sensor *sensor) {
     return meets_box(b, lower, upper);
 }
 
-/* The tangent of the widest angle from the normal at which it emits; infinite where it knows no
- * such bound. */
+/* The tangent of the widest angle of emission from the normal; infinite without a bound. */
 static double widest(const mcv_scene *scene, const mcv_emitter *emitter) {
     const double half_angle = mcv_emitter_half_angle(emitter);
     if (emitter->type ==
@@ -157,7 +157,7 @@ static double widest(const mcv_scene *scene, const mcv_emitter *emitter) {
 
 /* --- unlit --- */
 
-/* What turns an emitter: its node, as far as that has a name. */
+/* What a user turns to turn an emitter: its node, if it has a name. */
 static const char *turned_by(const mcv_scene *scene, const mcv_emitter *emitter,
                              const char **name) {
     const char *node =
@@ -191,18 +191,19 @@ mcv_result mcv_find_unlit(const mcv_scene *scene, mcv_findings *findings, mcv_er
         const mcv_emitter *emitter = scene->emitters + i;
         if (!lights_nothing(scene, emitter)) continue;
         const char *name, *kind = turned_by(scene, emitter, &name);
-        MCV_TRY(mcv_findings_add(findings, MCV_SEVERITY_ERROR, kind, name, NULL, error,
-                                 "emitter \"%s\" lights nothing: no part and no sensor lies where "
-                                 "it shines, before its front (-z): turn "
-                                 "it",
-                                 emitter->name));
+        MCV_TRY(mcv_findings_add(
+            findings, MCV_SEVERITY_ERROR, kind, name, NULL, error,
+            "emitter \"%s\" lights nothing: no part and no sensor lies before its front (-z): "
+            "turn it",
+            emitter->name));
     }
     return MCV_OK;
 }
 
 /* --- hidden --- */
 
-/* Is a place of its plane, in the beam's axes, on a flat emitter? The hole of a ring is not. */
+/* Does a point of its plane, in the beam's axes, lie on a flat emitter? The hole of a ring does
+ * not. */
 static bool lies_on(const mcv_scene *scene, uint32_t instance, const beam *b, const double p[3]) {
     const mcv_mesh *mesh = scene->meshes + scene->instances[instance].mesh;
     for (uint32_t t = 0; t < mesh->triangle_count; ++t) {
@@ -232,21 +233,21 @@ static mcv_result find_hidden_from(const mcv_scene *scene, const mcv_emitter *em
     to_beam(b, m + 9, lens);
     if (lens[2] > 0 && !before(sensor, scene, emitter->instance) &&
         lies_on(scene, emitter->instance, b, lens))
-        return mcv_findings_add(findings, MCV_SEVERITY_WARNING, kind, name, NULL, error,
-                                "emitter \"%s\" stands %s behind sensor \"%s\", whose body would "
-                                "be in its way and which does not see it: a "
-                                "backlight belongs beyond the part, facing the sensor",
-                                emitter->name, mcv_length_in_words(lens[2], text), sensor->name);
+        return mcv_findings_add(
+            findings, MCV_SEVERITY_WARNING, kind, name, NULL, error,
+            "emitter \"%s\" stands %s behind sensor \"%s\": the sensor does not see it, and the "
+            "camera's body would block it; a backlight belongs beyond the part, facing the sensor",
+            emitter->name, mcv_length_in_words(lens[2], text), sensor->name);
     const double approach = mcv_dot3(axis, b->axes[2]),
-                 depth = -lens[2] / approach; /* where the axis meets its plane */
+                 depth = -lens[2] / approach; /* where the axis crosses its plane */
     for (int k = 0; k < 3; ++k) place[k] = lens[k] + depth * mcv_dot3(axis, b->axes[k]);
     if (!(lens[2] < 0 && approach > 0) || !lies_on(scene, emitter->instance, b, place))
         return MCV_OK;
-    return mcv_findings_add(findings, MCV_SEVERITY_WARNING, kind, name, NULL, error,
-                            "sensor \"%s\" looks at the back of emitter \"%s\", at a depth of %s, "
-                            "which is dark: turn the emitter, so that its "
-                            "front (-z) faces the sensor",
-                            sensor->name, emitter->name, mcv_length_in_words(depth, text));
+    return mcv_findings_add(
+        findings, MCV_SEVERITY_WARNING, kind, name, NULL, error,
+        "sensor \"%s\" looks at the back of emitter \"%s\", at a depth of %s, and the back "
+        "is dark: turn the emitter, so that its front (-z) faces the sensor",
+        sensor->name, emitter->name, mcv_length_in_words(depth, text));
 }
 
 mcv_result mcv_find_hidden(const mcv_scene *scene, mcv_findings *findings, mcv_error *error) {
@@ -262,8 +263,8 @@ mcv_result mcv_find_hidden(const mcv_scene *scene, mcv_findings *findings, mcv_e
 
 /* --- bare_angle --- */
 
-/* Nobody thinks of a cone in tenths of a radian, but in radians of 10 degrees there are more than
- * two digits. */
+/* A cone of 0.1 rad or more with at most two digits was probably meant in degrees: 10 degrees in
+ * radians have more digits. */
 static bool is_suspicious(double angle) {
     char text[32];
     snprintf(text, sizeof text, "%.1e", angle); /* two digits */
@@ -278,12 +279,11 @@ mcv_result mcv_find_bare_angle(const mcv_scene *scene, mcv_findings *findings, m
             spot ? emitter->as.spot.outerConeAngle : mcv_emitter_half_angle(emitter);
         const char *key = spot ? "outerConeAngle" : "halfAngle";
         if (!emitter->bare_angle || !is_suspicious(angle)) continue;
-        MCV_TRY(mcv_findings_add(findings, MCV_SEVERITY_WARNING, "emitters", emitter->name, key,
-                                 error,
-                                 "%s %g of emitter \"%s\" has no unit, so it is in radians: %.3g "
-                                 "degrees; write \"%gdeg\" if degrees are "
-                                 "meant, or \"%grad\"",
-                                 key, angle, emitter->name, angle * 180 / M_PI, angle, angle));
+        MCV_TRY(mcv_findings_add(
+            findings, MCV_SEVERITY_WARNING, "emitters", emitter->name, key, error,
+            "%s %g of emitter \"%s\" has no unit, so it is in radians: %.3g degrees; write "
+            "\"%gdeg\" for degrees, or \"%grad\" for radians",
+            key, angle, emitter->name, angle * 180 / M_PI, angle, angle));
     }
     return MCV_OK;
 }

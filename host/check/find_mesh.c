@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Findings about meshes: whether they are closed, and how well their facets stand for curved
+/* Findings about meshes: whether they are closed, and how well their facets approximate curved
  * surfaces. */
 #include "check/find.h"
 #include "scene/transform.h"
@@ -15,7 +15,7 @@ static const mcv_material *material_of(const mcv_scene *scene, uint32_t instance
     return scene->materials + scene->instances[instance].material;
 }
 
-/* Does light pass it as a pane without thickness? */
+/* Does it transmit light as a sheet without thickness? */
 static bool is_thin(const mcv_material *material) {
     return material->type == MCV_MATERIAL_SHEET ||
            (material->type == MCV_MATERIAL_METALLIC_ROUGHNESS &&
@@ -53,11 +53,10 @@ mcv_result mcv_find_thin_body(const mcv_scene *scene, mcv_findings *findings, mc
         char label[MCV_LABEL];
         MCV_TRY(mcv_findings_add(
             findings, MCV_SEVERITY_WARNING, "materials", material->name, NULL, error,
-            "%s is a closed body, but its material \"%s\" is a thin pane, which bends no light: "
-            "give the asset a dielectric of the "
-            "rig, as in \"materials\": {\"%s\": \"glass\"}, or export it with KHR_materials_volume "
-            "and a thicknessFactor "
-            "above 0 (in Blender the input Thickness of the node group glTF Material Output)",
+            "%s is a closed body, but its material \"%s\" is a thin sheet, which does not "
+            "refract: give the asset a dielectric of the rig, as in \"materials\": {\"%s\": "
+            "\"glass\"}, or export it with KHR_materials_volume and a thicknessFactor above 0 "
+            "(in Blender the input Thickness of the node group glTF Material Output)",
             mcv_instance_label(scene, i, label), material->name, material->name));
     }
     return MCV_OK;
@@ -65,24 +64,24 @@ mcv_result mcv_find_thin_body(const mcv_scene *scene, mcv_findings *findings, mc
 
 /* --- facets --- */
 
-/* Neighbours that turn by more are meant to have an edge between them, by less are one plane but
- * for rounding [rad]. */
+/* The largest angle between neighbours of a curved surface, above which an edge is intended; and
+ * the smallest one, below which they are coplanar up to rounding [rad]. */
 static const double crease = 31 * M_PI / 180, flat = 0.01 * M_PI / 180;
-enum { LEAST_EDGES = 8 }; /* of a curved surface: fewer may be a part's own */
+enum { LEAST_EDGES = 8 }; /* of a curved surface; fewer may be real edges of a part */
 
 /* Where two triangles meet under a slight angle. */
 typedef struct bend {
     uint32_t triangles[2];
     uint32_t ends[2];
     double angle; /* of the normals [rad] */
-    bool faceted; /* and the shading turns there at once, too */
+    bool faceted; /* and the shading normals have a step there too */
 } bend;
 
-/* Facets: triangles of one plane that hang together. */
+/* Facets: connected coplanar triangles. */
 typedef struct facets {
     const mcv_scene *scene;
     uint32_t instance;
-    double (*normals)[3]; /* of the triangles, unit; 0 where they have none */
+    double (*normals)[3]; /* of the triangles, unit; 0 for those without area */
     uint32_t *parents;    /* of a triangle's facet: union-find */
     bend *bends;
     size_t bend_count;
@@ -99,7 +98,7 @@ static double angle_between(const double a[3], const double b[3]) {
     return atan2(sqrt(mcv_dot3(cross, cross)), mcv_dot3(a, b));
 }
 
-/* How far the interpolated normals of the two triangles differ at the edge's ends. */
+/* The difference between the interpolated normals of the two triangles at the edge's ends. */
 static double jump_of_normals(const facets *f, const mcv_shared_edge *edge) {
     double most = 0, normals[2][3][3];
     const uint32_t *indices = f->scene->meshes[f->scene->instances[f->instance].mesh].indices;
@@ -116,8 +115,8 @@ static double jump_of_normals(const facets *f, const mcv_shared_edge *edge) {
     return most;
 }
 
-/* A surface is curved where a facet bends to more than one of its neighbours, and by about as much.
- */
+/* Keeps the bends of curved surfaces: there a facet bends to several neighbours by similar
+ * angles. */
 static void keep_curved(facets *f, uint32_t triangles) {
     double(*range)[2] = malloc(triangles * sizeof *range + 1); /* of the angles about a facet */
     uint32_t *count = calloc((size_t)triangles + 1, sizeof *count);
@@ -206,14 +205,12 @@ mcv_result mcv_find_flat_glass(const mcv_scene *scene, mcv_findings *findings, m
         }
         facets_free(&f);
         if (faceted < LEAST_EDGES) continue;
-        MCV_TRY(mcv_findings_add(findings, MCV_SEVERITY_WARNING, "nodes", scene->instances[i].name,
-                                 NULL, error,
-                                 "%s is curved glass of flat facets, which turn by up to %.3g "
-                                 "degrees at %u edges: they are prisms and "
-                                 "make no lens; give an .stl asset \"creaseAngle\": \"30deg\", or "
-                                 "export a .glb with vertex normals "
-                                 "(shade smooth)",
-                                 mcv_instance_label(scene, i, label), most * 180 / M_PI, faceted));
+        MCV_TRY(mcv_findings_add(
+            findings, MCV_SEVERITY_WARNING, "nodes", scene->instances[i].name, NULL, error,
+            "%s is curved glass made of flat facets, with angles of up to %.3g degrees at %u "
+            "edges: it refracts like many prisms, not like a lens; give an .stl asset "
+            "\"creaseAngle\": \"30deg\", or export a .glb with vertex normals (shade smooth)",
+            mcv_instance_label(scene, i, label), most * 180 / M_PI, faceted));
     }
     return MCV_OK;
 }
@@ -240,9 +237,8 @@ static double height_over(const facets *f, uint32_t triangle, const double from[
 }
 
 /*
- * How far chords are off the curve that they stand for, at a bend that is seen from its side: w θ/8
- * for facets of the width w that turn by θ. In pixels; 0 where it is not in the picture or not at
- * an outline.
+ * The deviation of chords from the curve that they replace, at a bend seen from its side: w θ/8 for
+ * facets of width w and angle θ. In pixels; 0 if it is outside the image or not at an outline.
  */
 static double chord_error(const facets *f, const mcv_view *view, const bend *b, double *metres) {
     double from[3], to[3], middle[3], film[2], local[3], sight[3], cosine[2];
@@ -258,7 +254,7 @@ static double chord_error(const facets *f, const mcv_view *view, const bend *b, 
     if (!mcv_normalize3(view->is_telecentric ? axis : ray, sight)) return 0;
     for (int side = 0; side < 2; ++side)
         cosine[side] = mcv_dot3(f->normals[b->triangles[side]], sight);
-    /* One facet faces the sensor and one does not; or both stand edge on, but for rounding. */
+    /* One facet faces the sensor and the other does not; or both are edge-on, up to rounding. */
     if (cosine[0] * cosine[1] > 0 && fmin(fabs(cosine[0]), fabs(cosine[1])) > flat) return 0;
     const double width =
         fmin(height_over(f, b->triangles[0], from, to), height_over(f, b->triangles[1], from, to));
@@ -267,7 +263,7 @@ static double chord_error(const facets *f, const mcv_view *view, const bend *b, 
     return *metres / mcv_view_pixel(view, local[2]);
 }
 
-/* Does the sensor see a light behind a depth? Then outlines are measured. */
+/* Does the sensor see a light behind a depth? Outlines are then likely to be measured. */
 static bool is_backlit(const mcv_scene *scene, const mcv_view *view, double depth) {
     for (uint32_t i = 0; i < scene->emitter_count; ++i) {
         if (scene->emitters[i].instance == MCV_NONE) continue;
@@ -277,10 +273,10 @@ static bool is_backlit(const mcv_scene *scene, const mcv_view *view, double dept
     return false;
 }
 
-/* What is worst at one sensor's outlines. */
+/* The worst of one sensor's outlines. */
 typedef struct worst_outline {
     double pixels, metres;
-    uint32_t instance, parts; /* parts that are off by more than is tolerated */
+    uint32_t instance, parts; /* number of parts above the tolerance */
     bool backlit;
 } worst_outline;
 
@@ -311,9 +307,9 @@ static mcv_result report_outline(const mcv_scene *scene, const mcv_view *view,
     return mcv_findings_add(
         findings, worst->backlit ? MCV_SEVERITY_WARNING : MCV_SEVERITY_NOTE, "nodes",
         scene->instances[worst->instance].name, NULL, error,
-        "in the picture of sensor \"%s\" outlines are chords in place of curves: %s is off by up "
-        "to %s, %.2g pixels%s; to "
-        "measure there, export with a chord tolerance of %s or less, a tenth of a pixel",
+        "in the image of sensor \"%s\" chords replace curved outlines: %s deviates by up to "
+        "%s, %.2g pixels%s; for measurements, export with a chord tolerance of %s or less, a "
+        "tenth of a pixel",
         view->sensor->name, mcv_instance_label(scene, worst->instance, label),
         mcv_length_in_words(worst->metres, text[0]), worst->pixels, others,
         mcv_length_in_words(tolerated * worst->metres / worst->pixels, text[1]));

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Findings about sensors: what is in their fields, how sharp, and how large. */
+/* Findings about sensors: what is in their fields, its sharpness, and its size. */
 #include "check/find.h"
 #include "scene/geometry.h"
 
@@ -9,8 +9,8 @@
 
 /* --- sees_nothing --- */
 
-/* The slopes of all rays that enter a lens: of the chief rays, at most in a corner, and of the
- * others to them. */
+/* The largest slope of a ray that enters a lens: that of the chief ray in a corner, plus that of
+ * the marginal rays. */
 static double steepest(const mcv_sensor *sensor) {
     const mcv_view view = mcv_view_of(sensor);
     double corner[2];
@@ -44,8 +44,8 @@ static void ball_of(const mcv_scene *scene, uint32_t instance, double centre[3],
     }
 }
 
-/* Does any of a ball lie within `tangent` of the lens's edge, per depth? Close to the edge the
- * answer may be yes for no. */
+/* Does a part of a ball lie within `tangent` of the lens's edge, per depth? Near the edge the
+ * answer may be a false yes. */
 static bool takes_in(const mcv_sensor *sensor, double tangent, const double centre[3],
                      double radius) {
     const mcv_view view = {.sensor = sensor};
@@ -73,18 +73,17 @@ mcv_result mcv_find_sees_nothing(const mcv_scene *scene, mcv_findings *findings,
     for (uint32_t i = 0; i < scene->sensor_count; ++i) {
         const mcv_sensor *sensor = scene->sensors + i;
         if (sees_nothing(scene, sensor))
-            MCV_TRY(mcv_findings_add(findings, MCV_SEVERITY_ERROR, "sensors", sensor->name, NULL,
-                                     error,
-                                     "sensor \"%s\" sees nothing: no part and no emitter lies "
-                                     "where it looks (-z): turn it",
-                                     sensor->name));
+            MCV_TRY(mcv_findings_add(
+                findings, MCV_SEVERITY_ERROR, "sensors", sensor->name, NULL, error,
+                "sensor \"%s\" sees nothing: no part and no emitter lies before it (-z): turn it",
+                sensor->name));
     }
     return MCV_OK;
 }
 
 /* --- outside --- */
 
-/* Is a mirror in the picture, in which things are seen that lie elsewhere? */
+/* Does the image show a mirror? Things seen in it lie elsewhere. */
 static bool shows_mirror(const mcv_view *view, const mcv_scene *scene) {
     for (uint32_t i = 0; i < scene->instance_count; ++i) {
         if (!mcv_is_mirror(scene->materials + scene->instances[i].material) ||
@@ -96,7 +95,8 @@ static bool shows_mirror(const mcv_view *view, const mcv_scene *scene) {
     return false;
 }
 
-/* How far a part is from the middle of the field, in the field's halves: to tell the nearest. */
+/* The distance of a part from the middle of the field, in units of half the field; used to find the
+ * nearest part. */
 static double remoteness(const mcv_view *view, const mcv_extent *e) {
     if (!(e->depth[1] > 0)) return INFINITY;
     double most = 0;
@@ -165,14 +165,14 @@ mcv_result mcv_find_outside(const mcv_scene *scene, mcv_findings *findings, mcv_
 
 /* --- defocus --- */
 
-/* More than that is no edge that was meant to be sharp [pixels]. */
+/* With more blur, an edge was not meant to be sharp [pixels]. */
 static const double blurred = 3;
 
-/* The least blur of a range of depths: none where the plane in focus lies within. */
+/* The least blur in a range of depths; 0 if the plane in focus lies within. */
 static double least_blur(const mcv_view *view, const double depth[2], double *at) {
     const double focus = view->optics.focused_depth, near = fmax(depth[0], 0);
     *at = focus < near ? near : focus > depth[1] ? depth[1] : focus;
-    if (focus < 0) *at = depth[1]; /* sharp beyond infinity */
+    if (focus < 0) *at = depth[1]; /* focused beyond infinity */
     return mcv_view_blur(view, *at);
 }
 
@@ -196,7 +196,7 @@ mcv_result mcv_find_defocus(const mcv_scene *scene, mcv_findings *findings, mcv_
             at = depth;
             sharpest = i;
         }
-        /* Through a lens of the scene things are sharp that do not lie in focus. */
+        /* Seen through a lens of the scene, things away from the plane in focus may be sharp. */
         if (sharpest == MCV_NONE || nearest_glass < farthest || !(least > blurred)) continue;
         const char *key = view.is_telecentric ? "workingDistance" : "focusDistance";
         char label[MCV_LABEL], text[4][32];
@@ -238,10 +238,10 @@ static uint32_t widest_part(const mcv_scene *scene, double *width) {
 }
 
 static const double largest_pixel = 100e-6; /* those of cameras have 1 to 50 µm */
-static const double least_share = 0.1;      /* of the field: less of it is rarely wanted */
+static const double least_share = 0.1;      /* of the field: a smaller part is rarely intended */
 
-/* Does a pixel of the film exceed what cameras have, and the field any use for the widest part?
- * *depth gets the part's. */
+/* Is a pixel of the film larger than those of cameras, and the field too large for the widest part?
+ * *depth gets the part's depth. */
 static bool has_large_pixels(const mcv_scene *scene, const mcv_view *view, uint32_t widest,
                              double width, double *field) {
     const mcv_readout readout = mcv_sensor_readout(view->sensor);
@@ -270,8 +270,7 @@ mcv_result mcv_find_large_pixel(const mcv_scene *scene, mcv_findings *findings, 
         MCV_TRY(mcv_findings_add(
             findings, MCV_SEVERITY_WARNING, "sensors", view.sensor->name, "pixelSize", error,
             "pixels of %s make a field of %s x %s, in which the widest part, %s, covers %.2g "
-            "pixels: those of "
-            "cameras have 1 to 50 µm; is \"%.3gum\" meant?",
+            "pixels: those of cameras have 1 to 50 µm; should it be \"%.3gum\"?",
             mcv_length_in_words(pitch, text[0]), mcv_length_in_words(field[0], text[1]),
             mcv_length_in_words(field[1], text[2]), mcv_instance_label(scene, widest, label),
             width / field[0] * readout.size[0], 1e3 * pitch));
@@ -279,9 +278,10 @@ mcv_result mcv_find_large_pixel(const mcv_scene *scene, mcv_findings *findings, 
     return MCV_OK;
 }
 
-/* A floor may be this much wider than the field; millimetres read as metres make it a thousand. */
+/* A floor may be this much wider than the field. Millimetres read as metres give a factor of a
+ * thousand. */
 static const double too_wide = 100;
-static const double widest_field = 10; /* [m]: `new` frames a part whatever its unit */
+static const double widest_field = 10; /* [m]; `new` frames a part of any size */
 
 mcv_result mcv_find_unit(const mcv_scene *scene, mcv_findings *findings, mcv_error *error) {
     double width;

@@ -31,7 +31,7 @@ mcv_result mcv_findings_add(mcv_findings *findings, mcv_severity severity, const
                             const char *name, const char *key, mcv_error *error, const char *format,
                             ...) {
     mcv_finding *items = realloc(findings->items, (findings->count + 1) * sizeof *items);
-    if (!items) return mcv_fail(error, MCV_FAILED, "no memory for what was found in the scene");
+    if (!items) return mcv_fail(error, MCV_FAILED, "no memory for the findings");
     findings->items = items;
     mcv_finding *finding = items + findings->count;
     va_list arguments;
@@ -46,7 +46,7 @@ mcv_result mcv_findings_add(mcv_findings *findings, mcv_severity severity, const
     }
     free(finding->path);
     if (worded) free(finding->sentence);
-    return mcv_fail(error, MCV_FAILED, "no memory for what was found in the scene");
+    return mcv_fail(error, MCV_FAILED, "no memory for the findings");
 }
 
 mcv_result mcv_findings_of(const mcv_scene *scene, mcv_findings *findings, mcv_error *error) {
@@ -123,8 +123,7 @@ bool mcv_is_part(const mcv_scene *scene, uint32_t instance) {
     uint32_t first = instance;
     while (first > 0 && strcmp(scene->instances[first - 1].name, name) == 0) --first;
     if (!*name)
-        return scene->instances[instance].emitter ==
-               MCV_NONE; /* of no node that could be told from another */
+        return scene->instances[instance].emitter == MCV_NONE; /* the node has no name of its own */
     for (uint32_t i = first; i < mcv_node_end(scene, first); ++i)
         if (scene->instances[i].emitter != MCV_NONE) return false;
     return true;
@@ -148,7 +147,7 @@ double mcv_lens_radius(const mcv_sensor *sensor) {
     }
 }
 
-/* What lengths on the film are divided by. */
+/* The length by which lengths on the film are divided. */
 static double film_scale(const mcv_sensor *sensor) {
     switch (sensor->type) {
     case MCV_SENSOR_THIN_LENS:
@@ -200,9 +199,8 @@ bool mcv_view_project(const mcv_view *view, const double world[3], double film[2
 }
 
 /*
- * A point at the depth z is blurred to 2 NA |z - W| of the object by a telecentric camera, and
- * otherwise to D |1/z - κ| in tangents: the depth of field, where that is a pixel, says how fast it
- * grows.
+ * A telecentric camera blurs a point at the depth z to 2 NA |z - W| of the object, other cameras to
+ * D |1/z - κ| in tangents. The depth of field is where the blur is one pixel; it gives the slope.
  */
 double mcv_view_blur(const mcv_view *view, double depth) {
     const mcv_optics *o = &view->optics;

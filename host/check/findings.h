@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What a scene says that is likely not meant: sentences for people, each with a severity, the place
- * in the scene that it is about, the number that shows it and a remedy. Each rule is sure in what
- * it says; a scene without a finding may still be wrong.
+ * What is probably wrong with a scene. A finding is one sentence for people: it names the number
+ * that shows the fault, and a remedy. It also has a severity and a path into the scene. Each rule
+ * is certain of its statement; a scene without findings may still be wrong.
  */
 #ifndef MCVISI_HOST_CHECK_FINDINGS_H
 #define MCVISI_HOST_CHECK_FINDINGS_H
@@ -10,8 +10,8 @@
 #include "scene/scene.h"
 
 /*
- * X(severity, NAME). Error: the picture cannot be the one that is wanted. Warning: likely it is
- * not. Note: it may matter to a measurement.
+ * X(severity, NAME). Error: the image cannot be as intended. Warning: it probably is not. Note: it
+ * may affect a measurement.
  */
 #define MCV_SEVERITIES(X) \
     X(note, NOTE) \
@@ -37,28 +37,27 @@ typedef struct mcv_findings {
 } mcv_findings;
 
 /*
- * X(name), in the order in which they are looked for; each is a function mcv_find_NAME
+ * X(name): the findings, in the order of the search. Each is a function mcv_find_NAME
  * (check/find.h).
  *
- * - unlit: emitters, flat ones and spots, whose light meets no mesh and no lens of a sensor;
- *   others are not judged
- * - hidden: flat emitters behind a sensor, whose body would block their light; those whose back a
- *   sensor's axis meets
- * - bare_angle: cones of 0.1 rad or more, given as a number of one or two digits without a unit:
- *   degrees may be meant
- * - sees_nothing: sensors before which there is no mesh, without an environment
- * - outside: sensors with no part in their field though the scene has parts
+ * - unlit: flat emitters and spots whose light reaches no mesh and no lens of a sensor
+ * - hidden: flat emitters behind a sensor, whose body would block their light; flat emitters whose
+ *   back a sensor's axis hits
+ * - bare_angle: cones of 0.1 rad or more, given as a number of one or two digits without a unit,
+ *   which was probably meant in degrees
+ * - sees_nothing: sensors with no mesh before them, in scenes without an environment
+ * - outside: sensors with no part in their field, in scenes that have parts
  * - defocus: sensors for which all parts in their field are blurred over more than 3 pixels
  * - large_pixel: pixels above 0.1 mm whose field is more than 10 times as wide as the widest part
- * - unit: parts more than 100 times as wide as a field in focus; fields wider than 10 m; all parts
- *   together smaller than what a pixel sees of it
- * - open_body: nodes of a dielectric whose triangles have edges without a partner
+ * - unit: parts more than 100 times as wide as a field in focus; fields wider than 10 m; parts that
+ *   all are smaller than one pixel
+ * - open_body: nodes of a dielectric with edges that no other triangle shares
  * - flat_glass: curved bodies of a dielectric with flat facets
- * - thin_body: closed meshes of a material that stands for a thin pane
- * - outline: meshes whose chords at an outline in the picture are off their curve by more than a
+ * - thin_body: closed meshes of a material for thin sheets
+ * - outline: meshes whose chords, at an outline in the image, deviate from the curve by more than a
  *   tenth of a pixel
- * - growth: silhouettes before a backlight, by how much their edges grow (check/growth.h)
- * - extras: those of the scene's files, which nothing reads
+ * - growth: silhouettes before a backlight, with the growth of their edges (check/growth.h)
+ * - extras: extras of the scene's files, which are ignored
  *
  * A part is an instance that neither emits nor belongs to a light.
  */
@@ -78,31 +77,32 @@ typedef struct mcv_findings {
     X(growth) \
     X(extras)
 
-/* The loader's warnings, then what the list above finds. Fails only without memory. Freed by
- * mcv_findings_free. */
+/* The loader's warnings, then the findings of the list above. Fails only without memory. To be
+ * freed by mcv_findings_free. */
 mcv_result mcv_findings_of(const mcv_scene *scene, mcv_findings *findings, mcv_error *error);
 
-/* Adds one: path kind/name/key; key may be NULL, and a name that is empty is left out. Fails only
- * without memory. */
+/* Adds a finding with the path kind/name/key; key may be NULL, and an empty name is omitted. Fails
+ * only without memory. */
 mcv_result mcv_findings_add(mcv_findings *findings, mcv_severity severity, const char *kind,
                             const char *name, const char *key, mcv_error *error, const char *format,
                             ...) __attribute__((format(printf, 7, 8)));
 
 void mcv_findings_free(mcv_findings *findings);
 
-/* Counts the edges of instances [first, last), taken together, that have no partner. Fails only
- * without memory. */
+/* Counts the edges of the instances [first, last) together that no other triangle shares. Fails
+ * only without memory. */
 mcv_result mcv_open_edges(const mcv_scene *scene, uint32_t first, uint32_t last, uint32_t *edges,
                           mcv_error *error);
 
-/* An edge that two triangles of a mesh share, welded where positions are equal: each runs along it
- * the other way. */
+/* An edge that two triangles of a mesh share, in opposite directions. Vertices at equal positions
+ * are welded. */
 typedef struct mcv_shared_edge {
     uint32_t triangles[2];
-    uint32_t ends[2][2]; /* [triangle][from, to as the first runs]: vertices of the mesh */
+    uint32_t ends[2][2]; /* [triangle][from, to, in the direction of the first one]: vertices of the
+                            mesh */
 } mcv_shared_edge;
 
-/* *edges is malloc'ed. Edges of one triangle, or of more than two, are left out. Fails only without
+/* *edges is malloc'ed. Edges of one triangle, or of more than two, are omitted. Fails only without
  * memory. */
 mcv_result mcv_shared_edges(const mcv_mesh *mesh, mcv_shared_edge **edges, size_t *count,
                             mcv_error *error);

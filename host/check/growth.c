@@ -11,8 +11,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* First-order optics leave out the fall-off over the cone, below its tangent squared, and what
- * matte walls reflect, below that as well. */
+/* First-order optics neglect the fall-off over the cone and the reflection of matte walls. Both are
+ * below the square of the cone's tangent. */
 static const double left_out = 0.01;
 
 /* Depths of an instance along the sensor's axis. */
@@ -31,7 +31,7 @@ static void depths_of(const mcv_scene *scene, uint32_t instance, const mcv_senso
 
 /* --- the backlight --- */
 
-/* Does the emitter's surface, by its first triangle, look at the sensor within 60° of its axis? */
+/* Does the emitter's surface, by its first triangle, face the sensor within 60° of its axis? */
 static bool faces(const mcv_scene *scene, const mcv_emitter *emitter, const mcv_sensor *sensor) {
     const double *m = sensor->to_world.m, forward[3] = {-m[2], -m[5], -m[8]};
     double normal[3];
@@ -42,7 +42,7 @@ static bool faces(const mcv_scene *scene, const mcv_emitter *emitter, const mcv_
     return mcv_dot3(normal, forward) < -0.5 * sqrt(mcv_dot3(normal, normal));
 }
 
-/* Of the emitters that face the sensor, the one that is farthest away; its depth. */
+/* The farthest emitter that faces the sensor; *depth gets its depth. */
 static uint32_t find_backlight(const mcv_scene *scene, const mcv_sensor *sensor, double *depth) {
     uint32_t found = MCV_NONE;
     *depth = 0;
@@ -61,14 +61,13 @@ static uint32_t find_backlight(const mcv_scene *scene, const mcv_sensor *sensor,
 
 static bool is_opaque(const mcv_scene *scene, uint32_t instance) {
     const uint32_t type = scene->materials[scene->instances[instance].material].type;
-    return type != MCV_MATERIAL_DIELECTRIC && type != MCV_MATERIAL_SHEET &&
-           type != MCV_MATERIAL_BEAM_SPLITTER;
+    return type != MCV_MATERIAL_DIELECTRIC && !mcv_material_is_plate(type);
 }
 
 static bool is_glossy(const mcv_scene *scene, uint32_t instance) {
     const uint32_t type = scene->materials[scene->instances[instance].material].type;
     return type != MCV_MATERIAL_DIFFUSE && type != MCV_MATERIAL_ABSORBER &&
-           !mcv_material_is_reflector(type);
+           !mcv_material_is_scatterer(type);
 }
 
 static bool casts_shadow(const mcv_scene *scene, uint32_t instance, const mcv_sensor *sensor,
@@ -80,11 +79,9 @@ static bool casts_shadow(const mcv_scene *scene, uint32_t instance, const mcv_se
     return depths[0] > 0 && depths[1] < backlight;
 }
 
-/* The tangent of the cone that a sensor takes in from the plane in focus; NaN without an aperture.
- */
+/* The tangent of the sensor's acceptance cone from the plane in focus; NaN without an aperture. */
 static double pupil(const mcv_sensor *sensor) {
-    if (sensor->type == MCV_SENSOR_LIGHT_FIELD)
-        return NAN; /* its views have apertures of their own */
+    if (sensor->type == MCV_SENSOR_LIGHT_FIELD) return NAN; /* each view has its own aperture */
     return mcv_sensor_optics(sensor).numerical_aperture;
 }
 
@@ -186,8 +183,8 @@ static double side_of(const corner *c, int plane, double length, double reach) {
     }
 }
 
-/* The part of a polygon on the inner side of a plane (Sutherland and Hodgman); returns its corners.
- */
+/* Clips a polygon at a plane and keeps the inner side (Sutherland and Hodgman); returns the number
+ * of corners. */
 static int clip(const corner *in, int count, int plane, double length, double reach, corner *out) {
     int kept = 0;
     for (int i = 0; i < count; ++i) {
@@ -218,13 +215,12 @@ static bool add_points(contour *c, const corner *corners, int count, double pixe
     return true;
 }
 
-/* The mean of h over the disk of tangents: their density across the wall is that of a half circle.
- */
+/* The mean of h over the disk of tangents; across the wall their density is a half circle. */
 static double mean_shadow(const contour *c, double cone) {
     enum { STEPS = 64 };
     double sum = 0;
     for (int i = 0; i < STEPS; ++i) {
-        /* u = a cos φ at φ = kπ/(n + 1), with weights of sin²φ: Gauss and Chebyshev's rule of the
+        /* u = a cos φ at φ = kπ/(n + 1) with the weights sin²φ: the Gauss-Chebyshev rule of the
          * second kind. */
         const double angle = M_PI * (i + 1) / (STEPS + 1), u = cone * cos(angle);
         double h = -INFINITY;
@@ -291,7 +287,7 @@ mcv_result mcv_growth_at(const mcv_scene *scene, const mcv_camera_model *model,
     if (isnan(whole))
         return mcv_fail(
             error, MCV_FAILED,
-            "no contour of a part lies within %.3g pixels of it, so how far it grows is not known",
+            "no contour of a part lies within %.3g pixels of it, so its growth is not known",
             reach);
     *edge = glossy ? (mcv_quantity){whole / 2, whole / sqrt(12)}
                    : (mcv_quantity){whole, left_out * whole};
@@ -302,8 +298,8 @@ mcv_result mcv_growth_of_circle(const mcv_scene *scene, const mcv_camera_model *
                                 const mcv_growth *growth, const double centre[2], double radius,
                                 bool bright_inside, double reach, mcv_quantity *edge,
                                 mcv_error *error) {
-    /* A piece of the circle this long [pixel] is off its tangent by 1/2R at most: nothing beside
-     * the reach. */
+    /* An arc of this length [pixel] deviates from its tangent by at most 1/2R, which is small
+     * against the reach. */
     enum { DIRECTIONS = 16, LENGTH = 2 };
     mcv_quantity mean = {0, 0};
     for (int i = 0; i < DIRECTIONS; ++i) {

@@ -3,11 +3,11 @@
 
 #include <math.h>
 
-/* What can be told apart of a part's contour: edges lie where they are seen within the growth, a
- * few pixels. */
+/* The contour is searched within this distance of an edge [pixel]; growth is a few pixels at
+ * most. */
 static const double reach = 2;
 
-/* Of the contour that runs along an edge's line by a box, in pixels. */
+/* The growth of the contour along an edge's line in a box, in pixels. */
 static mcv_result growth_by_box(const mcv_part_view *view, const mcv_edge *edge,
                                 const mcv_pixel_box *box, mcv_quantity *pixels, mcv_error *error) {
     const double length = edge->across_rows ? box->height : box->width,
@@ -24,9 +24,9 @@ static mcv_result growth_by_box(const mcv_part_view *view, const mcv_edge *edge,
 }
 
 /*
- * Puts an edge back to where the part's contour is. Growths of two edges are uncertain for the same
- * reasons and add as they stand; their uncertainty is taken √2 times, so that the root of both
- * squares is that of a width.
+ * Moves an edge to the part's contour. The growths of two edges have the same causes, so their
+ * uncertainties add linearly. Each is taken √2 times; the root of the sum of both squares is then
+ * that of a width.
  */
 static void put_back(mcv_edge *edge, mcv_quantity pixels) {
     const double along = edge->normal[edge->across_rows ? 0 : 1];
@@ -57,7 +57,7 @@ static mcv_result take_off_line(const mcv_part_view *view, mcv_line *line, mcv_e
 static mcv_result take_off_caliper(const mcv_part_view *view, mcv_caliper *caliper,
                                    mcv_error *error) {
     const mcv_edge *first = caliper->edges, *second = first + 1;
-    /* Dark between the edges: both normals point away from the other edge. */
+    /* Dark between the edges: each normal points away from the other edge. */
     const double across = (second->point[0] - first->point[0]) * first->normal[0] +
                           (second->point[1] - first->point[1]) * first->normal[1];
     const double sign = across < 0 ? -1 : 1;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* One drawing of a set-up: what it shows, at which scale, and all of it in order. */
+/* One drawing of a set-up: its contents, its scale, and the order of its parts. */
 #include "check/setup_drawing.h"
 
 #include "scene/emitters.h"
@@ -9,12 +9,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Width of a drawing and its margin; the largest and the least height of what is true to scale [CSS
- * pixels]. At most LABELS parts are named. */
+/* Width of a drawing and its margin; largest and least height of a drawing true to scale [CSS
+ * pixels]; the largest number of named parts. */
 enum { WIDTH = 1040, MARGIN = 24, TALLEST = 420, LOWEST = 150, LABELS = 8 };
 
-/* Bodies beside a field may widen a drawing to so many fields. Where no part is in the field, they
- * may widen it further, so that parts are shown where they are. */
+/* Bodies beside a field may widen a drawing to this many fields; if no part is in the field, parts
+ * may widen it further. */
 static const double reach = 2.5, far_reach = 15;
 
 static void extend(double range[2], double value, double low, double high) {
@@ -23,8 +23,8 @@ static void extend(double range[2], double value, double low, double high) {
     range[1] = fmax(range[1], fmin(value, high));
 }
 
-/* What is drawn: the sensor, what is in its field, the plane in focus, and lights and parts as far
- * as they are near. */
+/* Determines what is drawn: the sensor, its field, the plane in focus, and lights and parts that
+ * are near. */
 static bool frame(mcv_drawing *c, double parts[2]) {
     double deepest = isfinite(c->focus) && c->focus > 0 ? c->focus : 0;
     parts[0] = INFINITY;
@@ -72,8 +72,8 @@ static bool frame(mcv_drawing *c, double parts[2]) {
     return true;
 }
 
-/* True to scale, but for heights that would be too low to see anything: *stretch says how much they
- * are drawn larger. */
+/* Chooses the scale. It is the same along both axes unless the drawing would be too low; *stretch
+ * is the factor of heights. */
 static void fit(mcv_drawing *c, double *stretch) {
     const double depth = c->depth[1] - c->depth[0], height = c->height[1] - c->height[0];
     const double scale = fmin((WIDTH - 2 * MARGIN) / depth, TALLEST / height);
@@ -92,7 +92,8 @@ static double area_of(const mcv_scene *scene, uint32_t i) {
     return hypot(hypot(upper[0] - lower[0], upper[1] - lower[1]), upper[2] - lower[2]);
 }
 
-/* Is an instance one of the few largest that are named? Lights are in any case, once per node. */
+/* Is an instance one of the few largest, which are named? Lights are always named, once per
+ * node. */
 static bool is_named(const mcv_scene *scene, uint32_t instance) {
     uint32_t larger = 0;
     if (instance > 0 &&

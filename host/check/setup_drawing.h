@@ -8,8 +8,8 @@
 
 #include <stdio.h>
 
-/* CSS pixels above a drawing, and of each row of dimensions below it; how many parts are named. The
- * others tell their names where they are pointed at. */
+/* CSS pixels above a drawing, and of each row of dimensions below it; number of named parts. Other
+ * parts show their names under the pointer. */
 enum { MCV_DRAWING_TOP = 10, MCV_DRAWING_ROW = 30, MCV_DRAWING_NAMES = 32 };
 
 /* A point of a drawing [m]: depth from the lens, height above the axis. */
@@ -17,7 +17,7 @@ typedef struct mcv_drawing_point {
     double depth, height;
 } mcv_drawing_point;
 
-/* One drawing: what it shows, where, and what has been put on it. */
+/* One drawing: its contents, its place, and the names on it. */
 typedef struct mcv_drawing {
     FILE *out;
     const mcv_scene *scene;
@@ -45,7 +45,7 @@ static inline double mcv_drawing_y(const mcv_drawing *c, double height) {
     return MCV_DRAWING_TOP + (c->height[1] - height) * c->scale[1];
 }
 
-/* From above, what is to the right of the camera lies below its axis. */
+/* From above, what is to the right of the camera is drawn below its axis. */
 static inline mcv_drawing_point mcv_drawing_project(const mcv_drawing *c, const double world[3]) {
     double local[3];
     mcv_view_point(c->view, world, local);
@@ -58,15 +58,15 @@ bool mcv_put_drawing(mcv_drawing *c);
 
 /* setup_outline.c */
 
-/* Without points that nobody could tell from the one before. */
+/* Omits points that cannot be distinguished from the one before. */
 void mcv_put_points(const mcv_drawing *c, const mcv_drawing_point *points, size_t count);
 void mcv_put_label(const mcv_drawing *c, const char *class, double x, double y, const char *anchor,
                    const char *text);
 
-/* Where a text's middle must be for it not to leave the drawing. */
+/* The position of a text's middle that keeps it inside the drawing. */
 double mcv_drawing_inside(const mcv_drawing *c, double x, const char *text);
 
-/* Above a place; left out where it would run into another name. */
+/* Puts a name above a point, unless it would overlap another name. */
 void mcv_put_name(mcv_drawing *c, double x, double y, const char *name);
 
 /* The convex hull of an instance's vertices in the drawing (Andrew 1979); NULL without memory. */
@@ -75,7 +75,7 @@ void mcv_put_outline(mcv_drawing *c, uint32_t instance, bool labelled);
 
 /* setup_rays.c */
 
-/* The light of a surface: from its two ends as far as a share of the drawing, with the half-angle
+/* The light of a surface: drawn from its two ends over a part of the drawing, with the half-angle
  * of its cone. */
 void mcv_put_beam(const mcv_drawing *c, uint32_t emitter);
 

@@ -4,6 +4,7 @@
 
 #include "io/html.h"
 #include "scene/geometry.h"
+#include "scene/materials.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -91,21 +92,15 @@ void mcv_put_name(mcv_drawing *c, double x, double y, const char *name) {
 }
 
 static const char *class_of(const mcv_scene *scene, uint32_t instance) {
+    const uint32_t type = scene->materials[scene->instances[instance].material].type;
     if (scene->instances[instance].emitter != MCV_NONE) return "light";
-    switch (scene->materials[scene->instances[instance].material].type) {
-    case MCV_MATERIAL_DIELECTRIC:
-    case MCV_MATERIAL_SHEET:
-        return "glass";
-    case MCV_MATERIAL_MIRROR:
-    case MCV_MATERIAL_BEAM_SPLITTER:
-        return "mirror";
-    default:
-        return mcv_is_part(scene, instance) ? "part" : "housing";
-    }
+    if (type == MCV_MATERIAL_MIRROR || type == MCV_MATERIAL_BEAM_SPLITTER) return "mirror";
+    if (type == MCV_MATERIAL_DIELECTRIC || mcv_material_is_plate(type)) return "glass";
+    return mcv_is_part(scene, instance) ? "part" : "housing";
 }
 
-/* Where the mesh crosses the plane of the drawing, in which the axis lies: of a ring its two sides.
- * False where it does not. */
+/* Draws the section of the mesh with the plane of the drawing, which contains the axis: two sides
+ * of a ring. False if there is none. */
 static bool put_section(const mcv_drawing *c, uint32_t instance) {
     const uint32_t triangles = c->scene->meshes[c->scene->instances[instance].mesh].triangle_count;
     bool any = false;

@@ -50,7 +50,7 @@ static void put_numbers(FILE *out, const mcv_view *view) {
 static bool put_sensor(FILE *out, const mcv_scene *scene, uint32_t index) {
     const mcv_sensor *sensor = scene->sensors + index;
     const mcv_view view = mcv_view_of(sensor);
-    if (isnan(view.film[0][0])) return true; /* a type whose optics nobody knows here */
+    if (isnan(view.film[0][0])) return true; /* a type of sensor without known optics */
     fputs("<section><h2>", out);
     mcv_html_text(out, sensor->name);
     fprintf(out, " <small>%s</small></h2>\n", mcv_sensor_types[sensor->type]);
@@ -154,7 +154,7 @@ static bool put_page(FILE *out, const mcv_scene *scene, const mcv_findings *find
     fprintf(out, "</h1>\n<p class=\"file\">%u triangles, %u %s, %u %s</p>\n", scene->triangle_count,
             scene->sensor_count, scene->sensor_count == 1 ? "sensor" : "sensors",
             scene->emitter_count, scene->emitter_count == 1 ? "emitter" : "emitters");
-    if (findings->count == 0) fputs("<p>Nothing was found that is likely not meant.</p>\n", out);
+    if (findings->count == 0) fputs("<p>No findings.</p>\n", out);
     fputs("<ul>\n", out);
     for (mcv_severity severity = MCV_SEVERITY_ERROR + 1; severity-- > 0;)
         for (size_t i = 0; i < findings->count; ++i) {

@@ -9,8 +9,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* The mean direction in which an instance faces, and how alike its faces are: 1 of a plane, 0 of a
- * ball. */
+/* The mean normal of an instance, and how uniform its normals are: 1 for a plane, 0 for a ball. */
 static double facing(const mcv_scene *scene, uint32_t instance, double normal[3]) {
     const uint32_t triangles = scene->meshes[scene->instances[instance].mesh].triangle_count;
     double area = 0;

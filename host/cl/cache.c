@@ -12,13 +12,14 @@
 
 enum { MAX_PATH = 1024 };
 
-/* A hash continued by a text and a separator that no text holds. */
+/* Continues a hash by a text and a separator that no text contains. */
 static uint64_t hash_text(uint64_t hash, const char *text) {
     const unsigned char separator = 0xff;
     return mcv_hash_bytes(mcv_hash_bytes(hash, text, strlen(text)), &separator, 1);
 }
 
-/* The folder: ours alone, made if it is missing. PoCL and NVIDIA keep caches of their own. */
+/* The path in the cache folder, which is private and made if missing. PoCL and NVIDIA have caches
+ * of their own. */
 static bool cache_path(const mcv_cl *cl, const char *source, const char *options,
                        char path[MAX_PATH]) {
     if (strstr(cl->name, "Portable Computing Language") || strstr(cl->name, "NVIDIA")) return false;

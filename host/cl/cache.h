@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Compiled programs in $XDG_CACHE_HOME/mcvisi (or ~/.cache/mcvisi), for OpenCL drivers that have no
- * cache of their own. The key hashes source, options, device and driver. Any trouble with the cache
- * only means compiling again.
+ * Compiled programs in $XDG_CACHE_HOME/mcvisi (or ~/.cache/mcvisi), for OpenCL drivers without a
+ * cache. The key hashes source, options, device and driver. If the cache fails, programs are
+ * compiled again.
  */
 #ifndef MCVISI_HOST_CL_CACHE_H
 #define MCVISI_HOST_CL_CACHE_H

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * OpenCL on the host: choosing a device, building programs, buffers, launches. Every failure names
- * the call, the OpenCL error and, for programs, the build log.
+ * OpenCL on the host: devices, programs, buffers, launches. Every error message names the call, the
+ * OpenCL error and, for programs, the build log.
  */
 #ifndef MCVISI_HOST_CL_CL_H
 #define MCVISI_HOST_CL_CL_H
@@ -23,33 +23,33 @@ typedef struct mcv_cl {
     bool correct_divide_sqrt; /* -cl-fp32-correctly-rounded-divide-sqrt is supported */
     cl_ulong memory, largest_allocation;
     cl_uint units;
-    bool probed; /* the device computes as it must */
+    bool probed; /* the device has passed the probe */
 } mcv_cl;
 
 /*
- * Opens a device. `which` is NULL (a GPU if there is one, else the first), a number as `mcvisi
- * devices` prints it, or "PLATFORM:TYPE:NAME" of case-insensitive substrings (TYPE cpu, gpu or
- * empty). MCVISI_OPENCL_DEVICE in the environment stands in for NULL.
+ * Opens a device. `which` is NULL (a GPU if there is one, else the first device), a number of
+ * `mcvisi devices`, or "PLATFORM:TYPE:NAME" with case-insensitive substrings (TYPE cpu, gpu or
+ * empty). The environment variable MCVISI_OPENCL_DEVICE replaces NULL.
  */
 mcv_result mcv_cl_open(const char *which, mcv_cl *cl, mcv_error *error);
 void mcv_cl_close(mcv_cl *cl);
 
-/* Calls told(user, index, text) for each device there is, in the order of their numbers. */
+/* Calls told(user, index, text) for each device, in the order of their numbers. */
 mcv_result mcv_cl_list(void (*told)(void *user, unsigned index, const mcv_cl *device), void *user,
                        mcv_error *error);
 
 /*
  * Builds kernels/<name>.cl with the given -D options (such as "-DMCV_CHANNELS=1
- * -DMCV_SENSOR_telecentric"), from the library or, where MCVISI_KERNEL_DIR names the repository's
- * root, from its sources. With the first program the device is probed: one that fails (fma, IEEE
- * division and square root, denormals kept) is refused.
+ * -DMCV_SENSOR_telecentric"). The source is in the library; if MCVISI_KERNEL_DIR names the root of
+ * the repository, the files there are used. With the first program the device is probed; one
+ * without correct fma, IEEE division and square root, or denormals is refused.
  */
 mcv_result mcv_cl_build(mcv_cl *cl, const char *name, const char *options, cl_program *program,
                         mcv_error *error);
 mcv_result mcv_cl_kernel(cl_program program, const char *name, cl_kernel *kernel, mcv_error *error);
 
-/* A buffer of at least 16 bytes. data may be NULL; `what` names it in messages ("the nodes of the
- * acceleration structure"). */
+/* Makes a buffer of at least 16 bytes. data may be NULL; `what` is its name in messages ("the nodes
+ * of the acceleration structure"). */
 mcv_result mcv_cl_buffer(mcv_cl *cl, const char *what, size_t bytes, const void *data,
                          cl_mem *buffer, mcv_error *error);
 mcv_result mcv_cl_read(mcv_cl *cl, cl_mem buffer, size_t offset, size_t bytes, void *data,
@@ -67,8 +67,8 @@ typedef struct mcv_arg {
 #define MCV_ARG(x) ((mcv_arg){sizeof(x), &(x)})
 
 /*
- * Enqueues a one-dimensional launch; global is rounded up to a multiple of local. Does not wait.
- * *event, unless event is NULL, is the caller's: mcv_cl_seconds tells how long the launch took.
+ * Enqueues a one-dimensional launch without waiting; global is rounded up to a multiple of local.
+ * If `event` is not NULL, the caller owns *event; mcv_cl_seconds gives the launch's time.
  */
 mcv_result mcv_cl_launch(mcv_cl *cl, cl_kernel kernel, size_t global, size_t local,
                          const mcv_arg *arguments, size_t count, cl_event *event, mcv_error *error);
@@ -76,13 +76,13 @@ mcv_result mcv_cl_launch(mcv_cl *cl, cl_kernel kernel, size_t global, size_t loc
     mcv_cl_launch((cl), (kernel), (global), (local), (const mcv_arg[]){__VA_ARGS__}, \
                   sizeof((const mcv_arg[]){__VA_ARGS__}) / sizeof(mcv_arg), NULL, (error))
 
-/* Seconds that a finished launch ran on the device. Releases the event. */
+/* The seconds that a finished launch took on the device. Releases the event. */
 double mcv_cl_seconds(cl_event event);
 
 /* "CL_OUT_OF_RESOURCES" for -5, and so on. */
 const char *mcv_cl_error_name(cl_int code);
 
-/* Leaves the calling function with MCV_DEVICE and a sentence when an OpenCL call fails. */
+/* Returns from the calling function with MCV_DEVICE and a sentence if an OpenCL call fails. */
 #define MCV_TRY_CL(call, error) \
     do { \
         const cl_int mcv_code = (call); \

@@ -30,8 +30,8 @@ static bool begins(const char *text, const char *word) {
     return strncmp(text, word, strlen(word)) == 0;
 }
 
-/* `optional`: the file is included under some #if, which may be false: a later #include of it must
- * count again. */
+/* `optional`: the file is included under some #if, which may be false, so a later #include of it
+ * must be expanded again. */
 static mcv_result flatten_file(flattening *f, const char *name, int depth, bool optional) {
     for (size_t i = 0; i < f->seen_count; ++i) {
         if (strcmp(f->seen[i], name) == 0) return MCV_OK;
@@ -51,7 +51,7 @@ static mcv_result flatten_file(flattening *f, const char *name, int depth, bool 
     char *line = NULL;
     size_t capacity = 0;
     int conditions = 0;
-    int guards = -1; /* 1 if the file's first condition is its include guard */
+    int guards = -1; /* 1 if the file's first condition is its include guard, -1: not yet known */
     for (unsigned number = 1; result == MCV_OK && getline(&line, &capacity, in) >= 0; ++number) {
         char included[128];
         const char *hash = line + strspn(line, " \t");

@@ -36,7 +36,7 @@ mcv_result mcv_camera_check(const mcv_command *command, const char *grey, mcv_er
     return mcv_camera_preview(command, grey, preview) ? mcv_output_check(preview, error) : MCV_OK;
 }
 
-/* Two files that are written at once. */
+/* Two files that are written in parallel. */
 typedef struct values {
     const char *grey, *preview; /* NULL: none */
     const mcv_exr *picture;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* mcvisi compare: whether two renders of the same picture differ by more than their noise. */
+/* mcvisi compare: do two renders of the same picture differ by more than their noise? */
 #include "cli/verbs.h"
 #include "cli/picture.h"
 #include "cli/tell.h"
@@ -19,7 +19,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* One of the two: a file, or a scene that is rendered here. */
+/* One of the two renders: a file, or a scene that is rendered here. */
 typedef struct render {
     mcv_exr exr;
     mcv_image mean, error; /* of a scene */
@@ -94,8 +94,8 @@ static mcv_result render_scene(const mcv_command *command, const char *path, ren
     return result;
 }
 
-/* B's options: those given, then those of --against. The words of `text`, made here, are part of
- * argv. */
+/* B's options: those of the command, then those of --against. argv contains the words of `text`,
+ * which is allocated here. */
 static mcv_result read_against(const mcv_command *command, char **text, char ***argv,
                                mcv_command *other, mcv_error *error) {
     int argc = command->argc;
@@ -110,7 +110,7 @@ static mcv_result read_against(const mcv_command *command, char **text, char ***
     mcv_error detail = {""};
     const mcv_result result = mcv_command_parse(argc, *argv, other, &detail);
     if (result != MCV_OK) return mcv_fail(error, result, "--against: %s", detail.text);
-    /* Equal seeds would be one noise. */
+    /* Equal seeds would have equal noise. */
     if (other->seed == command->seed) other->seed = (other->seed + 1) & UINT32_MAX;
     return MCV_OK;
 }
@@ -137,7 +137,7 @@ static mcv_result get_b(const mcv_command *command, render *b, mcv_error *error)
     return result;
 }
 
-/* Images are rendered already. */
+/* Refuses options of scenes for images, which are already rendered. */
 static mcv_result check_options(const mcv_command *command, mcv_error *error) {
     static const char *const always[] = {"output", "json", NULL};
     mcv_result result = MCV_OK;
@@ -149,7 +149,7 @@ static mcv_result check_options(const mcv_command *command, mcv_error *error) {
     json_t *given = mcv_command_json(command, always);
     const char *key = json_object_iter_key(json_object_iter(given));
     if (key)
-        result = mcv_fail(error, MCV_USAGE, "--%s is for scenes, and both are images: leave it out",
+        result = mcv_fail(error, MCV_USAGE, "--%s is for scenes, but both are images: leave it out",
                           key);
     json_decref(given);
     return result;
@@ -162,7 +162,7 @@ static const char *file_name(const char *path) {
     return slash ? slash + 1 : path;
 }
 
-/* Beyond 5 standard errors all differences look alike. */
+/* Differences beyond 5 standard errors have the same colour. */
 static mcv_result draw_difference(const char *path, const mcv_compared *a, const mcv_compared *b,
                                   bool different, mcv_error *error) {
     const mcv_color_scale scale = {.map = MCV_COLORMAP_DIVERGING, .low = -5, .high = 5};

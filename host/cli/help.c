@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* mcvisi help: verbs and options as text and as JSON schemas. */
+#include "cli/client.h"
 #include "cli/verbs.h"
 #include "options/option_table.h"
 
@@ -60,11 +61,7 @@ void mcv_help_print_verb(unsigned verb_index) {
 }
 
 mcv_result mcv_help_print_schema(unsigned verb_index, mcv_error *error) {
-    json_t *document = mcv_verb_schema(verb_index);
-    char *text = document ? json_dumps(document, JSON_INDENT(2)) : NULL;
-    json_decref(document);
-    if (!text) return mcv_fail(error, MCV_FAILED, "no memory for the schema");
-    puts(text);
-    free(text);
-    return MCV_OK;
+    char *schema;
+    MCV_TRY(mcv_options_schema(mcv_verbs[verb_index].name, &schema, error));
+    return mcv_client_print(schema, true, error);
 }

@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* One figure, and in brackets what the file states of it. */
+/* Prints a figure and, in brackets, the value that the file states. */
 static void print_figure(const char *name, double value, double stated, const char *before,
                          double unit, const char *after) {
     printf("%s ", name);

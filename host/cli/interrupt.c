@@ -6,8 +6,8 @@ volatile sig_atomic_t mcv_interrupt;
 static void receive(int signal) { mcv_interrupt = signal; }
 
 void mcv_interrupt_watch(bool saving) {
-    /* SA_RESETHAND: the handler serves once; the second signal finds the system's own, which ends
-     * the program. */
+    /* SA_RESETHAND: the handler runs once; the second signal has the default action, which ends the
+     * program. */
     struct sigaction action = {.sa_handler = receive,
                                .sa_flags = SA_RESTART | (saving ? 0 : (int)SA_RESETHAND)};
     sigemptyset(&action.sa_mask);

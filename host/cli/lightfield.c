@@ -17,7 +17,7 @@
 
 /* --- where to --- */
 
-/* Both may be NULL, not both are. */
+/* One may be NULL, but not both. */
 typedef struct outputs {
     const char *exr, *png;
 } outputs;
@@ -53,7 +53,7 @@ static mcv_result write_exr(const char *path, const mcv_exr *exr, mcv_error *err
 
 /* --- views --- */
 
-/* The views with lines of middle grey between them. */
+/* The views, separated by grey lines. */
 static mcv_result write_views_png(const char *path, const mcv_image *views,
                                   const uint32_t angular[2], mcv_error *error) {
     enum { LINE = 2 };
@@ -92,7 +92,7 @@ static mcv_result write_views(const mcv_light_field_file *file, const outputs *o
 
 /* --- gradient --- */
 
-/* What is told of a gradient. */
+/* The report about a gradient. */
 typedef struct account {
     mcv_spread spread;
     double seconds;

@@ -1,25 +1,22 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* mcvisi measure. */
-#include "cli/tell.h"
+/* mcvisi measure: a client of the public header. */
+#include "cli/client.h"
 #include "cli/verbs.h"
-#include "loader/load.h"
-#include "verbs/measure.h"
 
 #include <stdlib.h>
 
 static mcv_result measure(const mcv_command *command, const mcv_picture *picture,
                           const mcv_picture *minus, mcv_error *error) {
-    mcv_scene *scene = NULL;
-    mcv_report report;
-    if (command->scene)
-        MCV_TRY(mcv_scene_load(command->scene,
-                               (mcv_overrides){command->set.items, command->set.count}, &scene,
-                               error));
-    mcv_report_begin(&report, command->json, mcv_tell);
-    const mcv_result result = mcv_measure(command, picture, minus, scene, &report, error);
-    mcv_scene_free(scene);
-    if (result == MCV_OK) return mcv_report_end(&report, error);
-    mcv_report_free(&report);
+    static const char *const without[] = {"minus", "scene", NULL};
+    char *options, *report = NULL;
+    mcv_rig *rig = NULL;
+    mcv_result result = mcv_client_options(command, without, &options, error);
+    if (result == MCV_OK && command->scene) result = mcv_rig_open(command->scene, &rig, error);
+    if (result == MCV_OK)
+        result = mcv_picture_measure(picture, minus, rig, options, &report, error);
+    if (result == MCV_OK) result = mcv_client_print(report, command->json, error);
+    mcv_rig_free(rig);
+    free(options);
     return result;
 }
 

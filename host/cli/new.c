@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* mcvisi new: a rig around a part, with standard optics and a light, written for people to read and
- * edit. */
+/* mcvisi new: a rig around a part, with standard optics and a light, as a file to read and edit. */
 #include "cli/tell.h"
 #include "cli/verbs.h"
 #include "verbs/new.h"

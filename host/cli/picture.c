@@ -22,8 +22,8 @@ static int stem_length(const char *path) {
     return (int)(dot && dot > (slash ? slash + 1 : path) ? (size_t)(dot - path) : strlen(path));
 }
 
-/* path with -SENSOR before its ending where there is a sensor, and another ending where one is
- * given. */
+/* The path with -SENSOR inserted before its ending if a sensor is given, and with another ending if
+ * one is given. */
 static mcv_result make_path(char *out, const char *path, const char *sensor, const char *ending,
                             mcv_error *error) {
     const int stem = stem_length(path);
@@ -65,12 +65,12 @@ mcv_result mcv_render_files_plan(const mcv_command *command, const mcv_scene *sc
         MCV_TRY(make_path(picture->grey, command->camera, suffix, NULL, error));
         MCV_TRY(mcv_camera_check(command, picture->grey, error));
         if (!irradiance && command->electrons_per_unit[0] == 0 && command->expose_to == 0)
-            return mcv_fail(
-                error, MCV_BAD_INPUT,
-                "%s: sensor %s measures radiance, which --exposure-time cannot turn into "
-                "electrons: --set "
-                "sensors/%s/radiometry=irradiance, or give --electrons-per-unit or --expose-to",
-                scene->path, label, label);
+            return mcv_fail(error, MCV_BAD_INPUT,
+                            "%s: sensor %s measures radiance, which --exposure-time cannot convert "
+                            "to electrons: "
+                            "--set sensors/%s/radiometry=irradiance, or give --electrons-per-unit "
+                            "or --expose-to",
+                            scene->path, label, label);
     }
     const char *const paths[] = {picture->exr, picture->png, picture->grey};
     for (int i = 0; i < (command->camera ? 3 : 2); ++i) {
@@ -104,7 +104,7 @@ static mcv_result hash_file(const char *path, uint64_t *hash, mcv_error *error) 
         *hash = mcv_hash_bytes(*hash, bytes, count);
     const bool failed = ferror(file);
     fclose(file);
-    return failed ? mcv_fail(error, MCV_BAD_INPUT, "%s: cannot be read to its end", path) : MCV_OK;
+    return failed ? mcv_fail(error, MCV_BAD_INPUT, "%s: cannot be read completely", path) : MCV_OK;
 }
 
 mcv_result mcv_render_files_write(const mcv_render_files *files, const mcv_command *command,

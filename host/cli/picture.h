@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The files of one rendered sensor: the OpenEXR image with what is needed to repeat it, and the
+/* The files of one rendered sensor: the OpenEXR image with all that a repetition needs, and the
  * preview. */
 #ifndef MCVISI_HOST_CLI_PICTURE_H
 #define MCVISI_HOST_CLI_PICTURE_H
@@ -18,15 +18,15 @@ typedef struct mcv_render_files {
 } mcv_render_files;
 
 /*
- * Where the files of a sensor go, which must be writable: SCENE.exr beside the scene or --output,
- * with -SENSOR before the ending where `several` sensors are rendered to; and the same with .png,
- * or --png; the grey values of --camera.
+ * Chooses the files of a sensor, which must be writable: SCENE.exr beside the scene or --output,
+ * with -SENSOR before the ending if `several` sensors are rendered; the same with .png, or --png;
+ * the grey values of --camera.
  */
 mcv_result mcv_render_files_plan(const mcv_command *command, const mcv_scene *scene,
                                  uint32_t sensor, bool several, mcv_render_files *picture,
                                  mcv_error *error);
 
-/* Writes both. The preview gets its white level. */
+/* Writes the image and the preview, and returns the preview's white level. */
 mcv_result mcv_render_files_write(const mcv_render_files *files, const mcv_command *command,
                                   const mcv_scene *scene, uint32_t sensor,
                                   const mcv_render_options *options, const mcv_film *film,

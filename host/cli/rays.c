@@ -8,7 +8,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Is the line the names of the columns, blanks left out? */
+/* Does the line consist of the names of the columns, ignoring blanks? */
 static bool is_header(const char *line) {
     const char *name = "x,y,z,dx,dy,dz";
     for (; *line; ++line)
@@ -47,7 +47,7 @@ static mcv_result parse_ray(const char *line, mcv_trace_ray *ray, const char *pa
     }
     const double length = hypot(hypot(d[0], d[1]), d[2]);
     if (length > 0 && isfinite(length)) return MCV_OK;
-    return mcv_fail(error, MCV_BAD_INPUT, "%s:%zu: the direction dx,dy,dz must have a length", path,
+    return mcv_fail(error, MCV_BAD_INPUT, "%s:%zu: the direction dx,dy,dz must not be 0", path,
                     number);
 }
 
@@ -77,10 +77,11 @@ static mcv_result read_rays(FILE *file, const char *path, mcv_trace_ray **rays, 
         ++*count;
     }
     if (ferror(file))
-        return mcv_fail(error, MCV_BAD_INPUT, "%s: cannot be read to its end: %s", path,
+        return mcv_fail(error, MCV_BAD_INPUT, "%s: cannot be read completely: %s", path,
                         strerror(errno));
     if (*count == 0)
-        return mcv_fail(error, MCV_BAD_INPUT, "%s: holds no ray: give rows x,y,z,dx,dy,dz", path);
+        return mcv_fail(error, MCV_BAD_INPUT, "%s: contains no ray: give rows x,y,z,dx,dy,dz",
+                        path);
     return MCV_OK;
 }
 

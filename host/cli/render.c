@@ -87,8 +87,8 @@ static mcv_result render_and_print(const mcv_command *command, const mcv_scene *
 
 /* --- all sensors --- */
 
-/* All pictures are planned before anything is rendered: hours later it is too late to say that a
- * folder is missing. */
+/* All pictures are planned before rendering: a missing folder must be reported at once, not hours
+ * later. */
 static mcv_result check_pictures(const mcv_command *command, const mcv_scene *scene, uint32_t first,
                                  uint32_t count, mcv_error *error) {
     mcv_render_files picture, earlier;
@@ -98,8 +98,9 @@ static mcv_result check_pictures(const mcv_command *command, const mcv_scene *sc
             MCV_TRY(mcv_render_files_plan(command, scene, j, count > 1, &earlier, error));
             if (strcmp(picture.exr, earlier.exr) == 0)
                 return mcv_fail(error, MCV_BAD_INPUT,
-                                "%s would hold the images of both sensors %s and %s: rename one, "
-                                "or choose by --sensor",
+                                "%s would be the image of both sensors, %s and %s: rename one, or "
+                                "choose one by "
+                                "--sensor",
                                 picture.exr, scene->sensors[j].name, scene->sensors[i].name);
         }
     }
@@ -129,8 +130,7 @@ static mcv_result render_scene(const mcv_command *command, mcv_scene *scene,
     return MCV_OK;
 }
 
-/* On standard error, errors and warnings: what is likely not meant is told before hours are spent
- * on it. */
+/* Prints errors and warnings to standard error, before hours are spent on a wrong scene. */
 static mcv_result print_findings(const mcv_scene *scene, mcv_error *error) {
     mcv_findings findings;
     MCV_TRY(mcv_findings_of(scene, &findings, error));
@@ -149,7 +149,7 @@ mcv_result mcv_verb_render(const mcv_command *command, mcv_error *error) {
     if (!command->camera && mcv_camera_wanted(&camera))
         return mcv_fail(
             error, MCV_USAGE,
-            "the exposure is that of --camera FILE: give it, or leave the exposure out");
+            "the exposure belongs to --camera FILE: give --camera, or leave the exposure out");
     MCV_TRY(mcv_render_options_read(command, &options, error));
     MCV_TRY(mcv_scene_load(command->argument,
                            (mcv_overrides){command->set.items, command->set.count}, &scene, error));

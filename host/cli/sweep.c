@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* mcvisi sweep: an experiment (experiment/experiment.h), as the command line or a file tells it. */
+/* mcvisi sweep: runs an experiment (experiment/experiment.h) from the command line or from a
+ * file. */
 #include "cli/verbs.h"
 #include "cli/interrupt.h"
 #include "cli/tell.h"
@@ -82,8 +83,7 @@ static mcv_result read_rig(const json_t *document, const char *path, char rig[PA
     return MCV_OK;
 }
 
-/* {"rig": "part.gltf", "vary": […], …}: options by their names, before those of the command line.
- */
+/* {"rig": "part.gltf", "vary": […], …}: options by name, before those of the command line. */
 static mcv_result sweep_file(const mcv_command *given, const char *path, mcv_error *error) {
     char rig[PATH_MAX];
     json_error_t wrong;
@@ -92,7 +92,7 @@ static mcv_result sweep_file(const mcv_command *given, const char *path, mcv_err
     json_t *document = json_load_file(path, JSON_REJECT_DUPLICATES, &wrong);
     if (!document)
         return wrong.line > 0
-                   ? mcv_fail(error, MCV_BAD_INPUT, "%s: line %d column %d is no JSON: %s", path,
+                   ? mcv_fail(error, MCV_BAD_INPUT, "%s: line %d column %d is not JSON: %s", path,
                               wrong.line, wrong.column, mcv_json_wrong(&wrong))
                    : mcv_fail(error, MCV_BAD_INPUT, "%s: %s", path, strerror(errno));
     mcv_result result = read_rig(document, path, rig, error);

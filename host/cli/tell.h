@@ -2,7 +2,8 @@
 #ifndef MCVISI_HOST_CLI_TELL_H
 #define MCVISI_HOST_CLI_TELL_H
 
-/* "mcvisi: SEVERITY: TEXT" on standard error; severity NULL: an error that ends the program. */
+/* Prints "mcvisi: SEVERITY: TEXT" to standard error; severity NULL: an error that ends the
+ * program. */
 void mcv_tell(const char *severity, const char *text);
 
 #endif

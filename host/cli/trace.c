@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* mcvisi trace: every vertex of given rays' paths, as a table. */
+/* mcvisi trace: all vertices of the paths of given rays, as a table. */
 #include "cli/tell.h"
 #include "cli/verbs.h"
 #include "core/output_file.h"

@@ -38,7 +38,7 @@ static mcv_result read_all(int fd, const char *path, mcv_bytes *bytes, const mcv
 mcv_result mcv_file_read(const char *path, mcv_bytes *bytes, const mcv_json_path *place,
                          mcv_error *error) {
     *bytes = (mcv_bytes){NULL, 0};
-    /* Non-blocking, or a pipe without a writer would hang here; regular files do not care. */
+    /* O_NONBLOCK: otherwise a pipe without a writer would block here. Regular files ignore it. */
     const int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     if (fd < 0)
         return mcv_fail_at(place, error, "\"%s\" cannot be opened: %s", path, strerror(errno));
@@ -54,7 +54,7 @@ static int hex_digit(char c) {
                                   : -1;
 }
 
-/* In place; false at a broken escape, NUL included. */
+/* Decodes in place; false for a broken escape, NUL included. */
 static bool decode_percent(char *text) {
     char *out = text;
     for (const char *c = text; *c; ++c) {
@@ -78,7 +78,7 @@ static bool has_parent_step(const char *path) {
     return false;
 }
 
-/* Where links lead: the real path must lie below the real directory. */
+/* Links are followed: the real path must lie below the real directory. */
 static bool lies_below(const char *path, const char *directory) {
     char *real_path = realpath(path, NULL), *real_directory = realpath(directory, NULL);
     const size_t length = real_directory ? strlen(real_directory) : 0;
@@ -97,9 +97,9 @@ mcv_result mcv_file_resolve(const char *base, const char *uri, char **path,
     *path = NULL;
     /* A scheme is what stands before a colon in the first segment. */
     if (uri[strcspn(uri, ":/")] == ':')
-        return mcv_fail_at(place, error,
-                           "\"%.64s\" has a scheme: only data: and files beside the scene are read",
-                           uri);
+        return mcv_fail_at(
+            place, error,
+            "\"%.64s\" has a scheme: only data: URIs and files beside the scene are read", uri);
     char *joined = malloc(prefix + strlen(uri) + 1);
     if (!joined) return mcv_fail_memory(place, error);
     char *relative = joined + prefix;
@@ -168,7 +168,8 @@ mcv_result mcv_glb_split(mcv_bytes file, mcv_bytes *json, mcv_bytes *binary,
                                "GLB chunk %zu has %u bytes, but must have a multiple of 4", chunk,
                                size);
         if ((chunk == 0) != (type == GLB_JSON))
-            return mcv_fail_at(place, error, "the first GLB chunk, and no other, must be JSON");
+            return mcv_fail_at(place, error,
+                               "the first GLB chunk must be JSON, and no other may be");
         if (type == GLB_BINARY && chunk != 1)
             return mcv_fail_at(place, error, "a binary GLB chunk must be the second chunk");
         if (chunk == 0) *json = (mcv_bytes){file.data + offset, size};

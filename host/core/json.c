@@ -56,10 +56,10 @@ mcv_result mcv_json_index(const json_t *object, const char *key, size_t count, c
     const mcv_json_path here = mcv_json_path_key(place, key);
     if (!(number >= 0 && number < (double)count) || number != floor(number)) {
         if (count == 0)
-            return mcv_fail_at(&here, error, "index %g points to nothing: the file has no %s",
-                               number, of);
-        return mcv_fail_at(&here, error, "index %g points to nothing: %s go from 0 to %zu", number,
-                           of, count - 1);
+            return mcv_fail_at(&here, error, "index %g does not exist: the file has no %s", number,
+                               of);
+        return mcv_fail_at(&here, error, "index %g does not exist: %s go from 0 to %zu", number, of,
+                           count - 1);
     }
     *out = (uint32_t)number;
     return MCV_OK;
@@ -163,14 +163,13 @@ static size_t edit_distance(const char *a, const char *b) {
 
 const char *mcv_json_wrong(const json_error_t *wrong) {
     return strstr(wrong->text, "JSON_ALLOW_NUL")
-               ? "the character \\u0000 in a text, which no text may have"
+               ? "the string contains \\u0000, which is not allowed"
                : wrong->text;
 }
 
 const char *mcv_nearest_word(const char *word, const char *const *words, size_t n) {
     const char *nearest = NULL;
-    size_t least =
-        1 + strlen(word) / 3; /* a third of the letters may be wrong, and one in any case */
+    size_t least = 1 + strlen(word) / 3; /* a third of the letters may be wrong, but at least one */
     for (size_t i = 0; i < n; ++i) {
         if (strcasecmp(word, words[i]) == 0) return words[i];
         const size_t distance = edit_distance(word, words[i]);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Checked reading of members of a JSON object. Each writes a sentence with the member's place where
- * type or range is wrong. `object` stands at `place`; an absent member leaves *out as it is, so the
- * caller sets the default before.
+ * Checked reading of members of a JSON object. If the type or the range is wrong, each function
+ * writes a sentence with the member's path. `object` has the path `place`. An absent member leaves
+ * *out unchanged, so the caller sets the default before.
  */
 #ifndef MCVISI_HOST_CORE_JSON_H
 #define MCVISI_HOST_CORE_JSON_H
@@ -11,11 +11,11 @@
 
 #include <jansson.h>
 
-/* An integer in [min, max]; glTF allows it to be written as 3.0. */
+/* An integer in [min, max]; glTF allows the form 3.0. */
 mcv_result mcv_json_uint(const json_t *object, const char *key, uint64_t min, uint64_t max,
                          uint64_t *out, const mcv_json_path *place, mcv_error *error);
 
-/* An index into the `count` elements of the root array `of`; MCV_NONE where absent. */
+/* An index into the `count` elements of the root array `of`; MCV_NONE if absent. */
 mcv_result mcv_json_index(const json_t *object, const char *key, size_t count, const char *of,
                           uint32_t *out, const mcv_json_path *place, mcv_error *error);
 
@@ -30,7 +30,7 @@ mcv_result mcv_json_string(const json_t *object, const char *key, const char **o
 mcv_result mcv_json_bool(const json_t *object, const char *key, bool *out,
                          const mcv_json_path *place, mcv_error *error);
 
-/* A non-empty array, or an object; NULL where absent. */
+/* A non-empty array, or an object; NULL if absent. */
 mcv_result mcv_json_array(const json_t *object, const char *key, json_t **out,
                           const mcv_json_path *place, mcv_error *error);
 mcv_result mcv_json_object(const json_t *object, const char *key, json_t **out,
@@ -39,13 +39,13 @@ mcv_result mcv_json_object(const json_t *object, const char *key, json_t **out,
 /* The object extensions/NAME of an object, or NULL. */
 json_t *mcv_json_extension(const json_t *object, const char *name);
 
-/* The member `name` of an object as a string, "" where there is none. */
+/* The member `name` of an object as a string, "" if absent. */
 const char *mcv_json_name(const json_t *object);
 
-/* What the parser found wrong, in words that name no option of its own. */
+/* The parser's error, without words about options of the parser. */
 const char *mcv_json_wrong(const json_error_t *wrong);
 
-/* The one of n words that is most like `word`, or NULL if none is near: for "did you mean". */
+/* The one of n words that is nearest to `word`, or NULL if none is near: for "did you mean". */
 const char *mcv_nearest_word(const char *word, const char *const *words, size_t n);
 
 #endif

@@ -18,7 +18,7 @@ mcv_json_path mcv_json_path_element(const mcv_json_path *parent, const char *nam
     return name && *name ? mcv_json_path_key(parent, name) : mcv_place_index(parent, index);
 }
 
-/* Appends to text[size], of which `length` are in use; returns the new length, at most size - 1. */
+/* Appends to text[size], which has `length` bytes; returns the new length, at most size - 1. */
 __attribute__((format(printf, 4, 0))) static size_t append(char *text, size_t size, size_t length,
                                                            const char *format, va_list arguments) {
     const int more = vsnprintf(text + length, size - length, format, arguments);
@@ -56,6 +56,6 @@ mcv_result mcv_fail_at(const mcv_json_path *place, mcv_error *error, const char 
 }
 
 mcv_result mcv_fail_memory(const mcv_json_path *place, mcv_error *error) {
-    mcv_fail_at(place, error, "there is not enough memory for it");
+    mcv_fail_at(place, error, "no memory for it");
     return MCV_FAILED;
 }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Where in the scene file something stands: a chain on the callers' stacks, spelt out only when
- * something is wrong there. Elements are spelt as in --set (sensors/cam/focalLength), everything
- * else by its JSON path (nodes/3/rotation).
+ * A path into the scene file: a linked list on the callers' stacks, which is written out only for
+ * error messages. Elements are written as in --set (sensors/cam/focalLength), everything else as
+ * JSON paths (nodes/3/rotation).
  */
 #ifndef MCVISI_HOST_CORE_JSON_PATH_H
 #define MCVISI_HOST_CORE_JSON_PATH_H
@@ -23,14 +23,14 @@ mcv_json_path mcv_place_file(const char *path);
 mcv_json_path mcv_json_path_key(const mcv_json_path *parent, const char *key);
 mcv_json_path mcv_place_index(const mcv_json_path *parent, size_t index);
 
-/* By name, or by index where the name is missing or empty. */
+/* An element, by its name, or by its index if the name is missing or empty. */
 mcv_json_path mcv_json_path_element(const mcv_json_path *parent, const char *name, size_t index);
 
 /* Writes "FILE: PATH: sentence" and returns MCV_BAD_INPUT. */
 mcv_result mcv_fail_at(const mcv_json_path *place, mcv_error *error, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
-/* No memory left for what `place` asks for. */
+/* No memory for what is at `place`. */
 mcv_result mcv_fail_memory(const mcv_json_path *place, mcv_error *error);
 
 #ifdef __cplusplus

@@ -12,8 +12,7 @@
 enum { MAX_TEMPORARIES = 1000 };
 static const uint64_t MAX_INPUT = (uint64_t)1 << 32;
 
-/* What stands at path may be replaced: nothing, or a regular file that its owner has not protected.
- */
+/* Checks what exists at path: only nothing or a regular, writable file may be replaced. */
 static mcv_result check_target(const char *path, mcv_error *error) {
     struct stat status;
     if (path[0] == '\0')
@@ -34,7 +33,7 @@ static mcv_result check_target(const char *path, mcv_error *error) {
     return MCV_OK;
 }
 
-/* The length of path's directory with its slash, 0 for none. */
+/* The length of path's directory with its slash, 0 if there is none. */
 static int directory_length(const char *path) {
     // NOLINTNEXTLINE(clang-analyzer-core.NonNullParamChecker): an output that is open has a path
     const char *slash = strrchr(path, '/');
@@ -105,8 +104,8 @@ mcv_result mcv_output_write(mcv_output *output, const void *bytes, size_t count,
     return mcv_output_write_at(output, bytes, count, output->size, error);
 }
 
-/* So that the new name outlives a power cut. Not every file system can; the file itself is whole
- * either way. */
+/* Makes the new name survive a power cut. Not every file system can do this; the file itself is
+ * whole in any case. */
 static void flush_directory(const char *path) {
     const int length = directory_length(path);
     char *directory = length ? strndup(path, (size_t)length) : strdup(".");
@@ -156,8 +155,8 @@ mcv_result mcv_file_load(const char *path, uint8_t **bytes, size_t *size, mcv_er
     if (fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) {
         result = mcv_fail(error, MCV_BAD_INPUT, "%s: is not a regular file", path);
     } else if ((uint64_t)status.st_size > MAX_INPUT) {
-        result = mcv_fail(error, MCV_BAD_INPUT,
-                          "%s: is larger than 4 GiB, the largest file that is read", path);
+        result =
+            mcv_fail(error, MCV_BAD_INPUT, "%s: is larger than 4 GiB, the limit for a file", path);
     } else if (!(*bytes = malloc((size_t)status.st_size + 1))) {
         result = mcv_fail(error, MCV_FAILED, "%s: no memory for its %lld bytes", path,
                           (long long)status.st_size);

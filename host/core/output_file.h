@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Output files that appear whole or not at all: the bytes go to a new file in the same directory,
- * which is flushed to the disk and then renamed. Until then what was there before stays. Only
- * regular files are replaced: no link, device or pipe.
+ * Output files that appear whole or not at all. The bytes go to a new file in the same directory,
+ * which is flushed to the disk and then renamed; until then the old file stays. Only regular files
+ * are replaced: no links, devices or pipes.
  */
 #ifndef MCVISI_HOST_CORE_OUTPUT_FILE_H
 #define MCVISI_HOST_CORE_OUTPUT_FILE_H
@@ -11,40 +11,38 @@
 
 typedef struct mcv_output {
     int descriptor;
-    uint64_t size; /* written so far: where mcv_output_write goes on */
+    uint64_t size; /* bytes so far, the offset of mcv_output_write */
     char *path, *temporary;
 } mcv_output;
 
-/* Whether a file can be written at path, by making the temporary file and removing it: to be asked
- * before hours of rendering. */
+/* Checks whether a file can be written at path, by making and removing the temporary file. To be
+ * called before hours of rendering. */
 mcv_result mcv_output_check(const char *path, mcv_error *error);
 
-/* Whether both names lead to one existing file: what is read must not be overwritten. */
+/* Whether both names are one existing file: an input must not be overwritten. */
 bool mcv_same_file(const char *a, const char *b);
 
-/* After success exactly one of commit and discard must follow. MCV_BAD_INPUT with the path and the
- * reason where it cannot be written. */
+/* Opens the temporary file. After success exactly one of commit and discard must follow.
+ * MCV_BAD_INPUT with the path and the reason if it cannot be written. */
 mcv_result mcv_output_open(mcv_output *output, const char *path, mcv_error *error);
 
-/* Appends. MCV_FAILED with the reason (disk full …). */
+/* Appends bytes. MCV_FAILED with the reason (disk full …). */
 mcv_result mcv_output_write(mcv_output *output, const void *bytes, size_t count, mcv_error *error);
 
-/* Writes at an offset: for formats whose tables are filled in at the end. */
+/* Writes at an offset, for formats with tables that are completed at the end. */
 mcv_result mcv_output_write_at(mcv_output *output, const void *bytes, size_t count, uint64_t offset,
                                mcv_error *error);
 
-/* Flushes, renames, frees. On failure the file at path is as it was, and the temporary file is
- * removed. */
+/* Flushes, renames, frees. On failure the old file stays and the temporary file is removed. */
 mcv_result mcv_output_commit(mcv_output *output, mcv_error *error);
 
 /* Removes the temporary file and frees. */
 void mcv_output_discard(mcv_output *output);
 
-/* Reads a whole regular file (a pipe or device has no size), at most 4 GiB; the caller frees
- * *bytes. MCV_BAD_INPUT names it. */
+/* Reads a whole regular file of at most 4 GiB; the caller frees *bytes. MCV_BAD_INPUT names it. */
 mcv_result mcv_file_load(const char *path, uint8_t **bytes, size_t *size, mcv_error *error);
 
-/* All of it: opens, writes, commits. */
+/* Writes a whole file: opens, writes, commits. */
 mcv_result mcv_output_whole(const char *path, const void *bytes, size_t count, mcv_error *error);
 
 #endif

@@ -8,9 +8,9 @@
 #include "mcvisi/materials/microfacet.h"
 
 /*
- * Points of the quadrature over visible microfacets. Those at the disk's rim send light down: w² =
- * 1 - radius² puts more points there. Entries are right to 4e-4, as finer steps and an integral
- * over all normals show.
+ * Points of the quadrature over visible microfacets. Those at the disk's rim reflect light
+ * downwards: w² = 1 - radius² puts more points there. Entries are accurate to 4e-4, compared with
+ * finer steps and with an integral over all normals.
  */
 enum { RADII = 48, ANGLES = 48 };
 
@@ -42,14 +42,14 @@ void mcv_coat(double coating, double n1, double n2, double *scale, double *offse
     *offset = coating > 0 ? coating - *scale * bare : 0;
 }
 
-/* What the microfacets send out of the light from o, as shares of it: all and by (1 - c)^5, or by
- * Fresnel in and out of an index. */
+/* The shares of the light from o that the microfacets reflect: all of it, and that weighed by (1 -
+ * c)^5; or with Fresnel's reflectance into and out of an index. */
 static void integrate(const double alpha[2], const double o[3], double eta, double coating,
                       bool interface, double sums[2]) {
     const double own = lambda(alpha, o),
                  turn = o[1] == 0
                             ? M_PI
-                            : 2 * M_PI; /* both sides of the plane of incidence may be alike */
+                            : 2 * M_PI; /* the two sides of the plane of incidence may be equal */
     double scale, offset;
     mcv_coat(coating, eta, 1, &scale, &offset);
     sums[0] = sums[1] = 0;
@@ -85,7 +85,7 @@ static void integrate(const double alpha[2], const double o[3], double eta, doub
     for (int k = 0; k < 2; ++k) sums[k] /= RADII * ANGLES;
 }
 
-/* A row for which column of the block, at which azimuth. The grazing row is the limit. */
+/* The direction of a row and column of the block, at an azimuth. The grazing row is a limit. */
 static void direction(uint32_t row, uint32_t column, uint32_t azimuths, double o[3]) {
     const double share = (double)column / (MCV_ALBEDO_COSINES - 1),
                  cosine = fmax(share * share, 1e-6), sine = sqrt(1 - cosine * cosine);

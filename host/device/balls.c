@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The balls around all specular and near-specular bodies, at which light paths are aimed. */
+/* Bounding balls of all specular and near-specular bodies. Light paths start towards them. */
 #include "device/pack_steps.h"
 
 #include <math.h>
@@ -11,7 +11,7 @@ typedef struct ball {
     double centre[3], radius;
 } ball;
 
-/* Does it carry light paths on: is it smooth or sharp? */
+/* Do light paths continue at this instance, because it is smooth or near-specular? */
 static bool carries(const mcv_packed *packed, uint32_t instance) {
     const mcv_device_material *material = &packed->materials[packed->instances[instance].material];
     return material->near_specular ||
@@ -34,15 +34,14 @@ static ball join(const ball *a, const ball *b) {
     return both;
 }
 
-/* By how much two balls' disks grow where one takes their place [m²/π]: not where they all but
- * coincide. */
+/* The growth of two balls' disks if one ball replaces them [m²/π]; 0 if they almost coincide. */
 static double growth(const ball *a, const ball *b) {
     const double r = join(a, b).radius;
     return r * r - a->radius * a->radius - b->radius * b->radius;
 }
 
-/* Adds a ball to the list; joins the two that grow least while they shrink or there are too many.
- */
+/* Adds a ball to the list. Joins the two that grow least while this shrinks their area, or while
+ * there are too many. */
 static void add_ball(ball *balls, uint32_t *count, ball more) {
     balls[(*count)++] = more;
     while (*count > 1) {

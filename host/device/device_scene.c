@@ -16,14 +16,15 @@ typedef union any_sensor {
 #undef MCV_X
 } any_sensor;
 
-/* What fills a buffer. */
+/* The sources of the buffers. */
 typedef struct plan {
     const char *what;
     size_t bytes;
     const void *data;
 } plan;
 
-/* Two sums of the bytes' words, each mixed by multiplication and shift; the words' order counts. */
+/* Two sums of the bytes' words, each mixed by multiplication and shift; the order of the words
+ * matters. */
 static mcv_digest digest(mcv_digest d, const void *data, size_t bytes) {
     const unsigned char *from = data;
     d.bytes += bytes;
@@ -42,18 +43,18 @@ static bool same(const mcv_digest *a, const mcv_digest *b) {
     return a->bytes == b->bytes && a->hash[0] == b->hash[0] && a->hash[1] == b->hash[1];
 }
 
-/* A feature's array, or no bytes where the scene lacks it. */
+/* The size of an optional array, 0 if the scene lacks it. */
 static size_t present(const void *data, size_t bytes) { return data ? bytes : 0; }
 
-/* Takes the buffer out of the scene before, if that has one of this size. */
+/* Takes the buffer from the previous scene if that has one of this size. */
 static void take_buffer(mcv_device_scene *kept, mcv_device_scene *d, size_t bytes, uint32_t index) {
     if (kept->contents[index].bytes != bytes) return;
     d->buffers[index] = kept->buffers[index];
     kept->buffers[index] = NULL;
 }
 
-/* The acceleration structure is new, or take_structure has already taken it. keep_structure has
- * made the digest of the positions. */
+/* The acceleration structure is new or already taken by take_structure. keep_structure has computed
+ * the digest of the positions. */
 static mcv_result fill_buffer(mcv_cl *cl, const plan *p, uint32_t index, mcv_device_scene *kept,
                               mcv_device_scene *d, mcv_error *error) {
     const bool structure = index == MCV_BUFFER_nodes || index == MCV_BUFFER_leaves;
@@ -70,7 +71,7 @@ static mcv_result fill_buffer(mcv_cl *cl, const plan *p, uint32_t index, mcv_dev
                : MCV_OK;
 }
 
-/* Without a hierarchy: that of the scene before, already taken. */
+/* bvh is NULL if the structure of the previous scene is already taken. */
 static mcv_result fill_buffers(mcv_cl *cl, const mcv_bvh *bvh, mcv_device_scene *kept,
                                mcv_device_scene *d, mcv_error *error) {
     const mcv_packed *p = &d->packed;
@@ -115,7 +116,7 @@ static void free_vertices(mcv_packed *packed) {
     }
 }
 
-/* A structure that has become so much costlier by moving is built anew. */
+/* A structure that motion has made more costly by this factor is built anew. */
 static const double worth_building = 1.2;
 
 static void take_structure(mcv_device_scene *kept, mcv_device_scene *d) {
@@ -128,8 +129,8 @@ static void take_structure(mcv_device_scene *kept, mcv_device_scene *d) {
     kept->nodes = kept->leaves = NULL;
 }
 
-/* Moves the structure of the scene before to where the triangles are now, and takes it where it is
- * still good. */
+/* Refits the structure of the previous scene to the moved triangles, and takes it if it is still
+ * good. */
 static mcv_result move_structure(mcv_cl *cl, mcv_device_scene *kept, mcv_device_scene *d,
                                  mcv_error *error) {
     mcv_bvh bvh = {.node_count = kept->node_count, .leaf_count = kept->leaf_count};
@@ -155,7 +156,7 @@ static mcv_result move_structure(mcv_cl *cl, mcv_device_scene *kept, mcv_device_
     return result;
 }
 
-/* The acceleration structure on its way. */
+/* The acceleration structure while a thread builds it. */
 typedef struct mcv_hierarchy_build {
     const mcv_packed *packed;
     uint32_t threads;
@@ -173,7 +174,7 @@ static void *build_hierarchy(void *user) {
     return NULL;
 }
 
-/* The structure of the scene before, if it can be used; otherwise device->kept_structure stays
+/* Takes the structure of the previous scene if possible; otherwise device->kept_structure stays
  * false. */
 static mcv_result keep_structure(mcv_cl *cl, mcv_device_scene *kept, mcv_device_scene *device,
                                  mcv_error *error) {
@@ -264,11 +265,23 @@ void mcv_device_scene_close(mcv_device_scene *device) {
     mcv_packed_free(&device->packed);
 }
 
+void mcv_frame_thin_light(mcv_frame *frame, uint32_t log2_thinning) {
+    const uint64_t pixels = mcv_tiled_pixels(frame->width, frame->height);
+    frame->log2_thinning = log2_thinning;
+    frame->light_density = (float)(M_PI * (double)(pixels >> log2_thinning));
+}
+
+double mcv_frame_splat_value(const mcv_frame *frame) {
+    const uint64_t pixels = mcv_tiled_pixels(frame->width, frame->height);
+    return 1 / ((double)frame->splat_scale * (double)(pixels >> frame->log2_thinning));
+}
+
 static mcv_result open_splats(mcv_cl *cl, const mcv_sensor *sensor, mcv_device_scene *device,
                               mcv_frame *frame, mcv_error *error) {
     const mcv_packed *packed = &device->packed;
-    const size_t bytes =
-        8 * (size_t)frame->width * frame->height * packed->channels * frame->replicates;
+    const uint32_t replicates =
+        frame->replicates > MCV_LIGHT_REPLICATES ? frame->replicates : MCV_LIGHT_REPLICATES;
+    const size_t bytes = 8 * (size_t)frame->width * frame->height * packed->channels * replicates;
     const cl_uint nothing = 0;
     frame->light_cdf = packed->light_cdf;
     frame->ball_count = packed->ball_count;
@@ -277,9 +290,7 @@ static mcv_result open_splats(mcv_cl *cl, const mcv_sensor *sensor, mcv_device_s
     frame->log2_pixels = 6;
     while ((uint64_t)1 << frame->log2_pixels < mcv_tiled_pixels(frame->width, frame->height))
         ++frame->log2_pixels;
-    frame->log2_thinning = mcv_light_thinning(packed, sensor);
-    frame->light_density = (float)(M_PI * (double)(mcv_tiled_pixels(frame->width, frame->height) >>
-                                                   frame->log2_thinning));
+    mcv_frame_thin_light(frame, mcv_light_thinning(packed, sensor));
     MCV_TRY(mcv_cl_buffer(cl, "what light paths bring", bytes, NULL, &device->splats, error));
     MCV_TRY_CL(clEnqueueFillBuffer(cl->queue, device->splats, &nothing, sizeof nothing, 0, bytes, 0,
                                    NULL, NULL),

@@ -8,7 +8,7 @@
 #include "device/pack.h"
 #include "mcvisi/buffers.h"
 
-/* The buffers by number, in the order of the kernels' arguments. */
+/* Indices of the buffers, in the order of the kernels' arguments. */
 enum {
 #define MCV_X(space, type, name, what, bytes, data) MCV_BUFFER_##name,
     MCV_BUFFERS(MCV_X)
@@ -16,13 +16,13 @@ enum {
         MCV_SCENE_ARGUMENTS
 };
 
-/* Tells contents apart: 128 bits and the number of bytes. */
+/* Identifies contents: 128 bits and the number of bytes. */
 typedef struct mcv_digest {
     uint64_t bytes, hash[2];
 } mcv_digest;
 
 typedef struct mcv_device_scene {
-    mcv_packed packed;                       /* what is large is freed once it is on the device */
+    mcv_packed packed; /* its large arrays are freed once they are on the device */
     struct mcv_hierarchy_build *in_building; /* between begin and finish */
     union {
         cl_mem buffers[MCV_SCENE_ARGUMENTS];
@@ -32,29 +32,31 @@ typedef struct mcv_device_scene {
 #undef MCV_X
         };
     };
-    cl_mem splats; /* [replicate][channel][row][column], of 64 bits: what light paths have brought
-                      so far */
-    bool kept_structure; /* the acceleration structure is that of the scene before, moved where
+    cl_mem splats; /* [replicate][channel][row][column], 64 bits each: the sums of light paths so
+                      far */
+    bool kept_structure; /* the acceleration structure is that of the previous scene, refitted if
                             triangles have moved */
-    mcv_digest indices_digest; /* that it stands for, as for contents of the positions */
+    mcv_digest indices_digest; /* of the indices it was built for; for the positions see contents */
     uint32_t node_count, leaf_count;
-    double structure_cost;                    /* when it was built; 0: not known yet */
+    double structure_cost;                    /* when it was built; 0: not yet computed */
     mcv_digest contents[MCV_SCENE_ARGUMENTS]; /* of the buffers */
 } mcv_device_scene;
 
 /*
- * Packs the scene and begins to build the acceleration structure, in a thread of its own. What
- * programs are compiled from is known then. On failure mcv_device_scene_close is still to be
- * called. `kept` may be the scene rendered before on the same device, or NULL: buffers whose
- * content is the same are taken from it, and the acceleration structure if triangles have at most
- * moved a little; it too is still to be closed, after mcv_device_scene_finish.
+ * Packs the scene and starts a thread that builds the acceleration structure. The features, from
+ * which programs are compiled, are then known. mcv_device_scene_close must be called even after a
+ * failure.
+ *
+ * `kept` is the scene rendered before on the same device, or NULL. Buffers with the same contents
+ * are taken from it, and the acceleration structure if triangles have moved only a little. `kept`
+ * must still be closed, after mcv_device_scene_finish.
  */
 mcv_result mcv_device_scene_begin(mcv_cl *cl, const mcv_scene *scene, uint32_t threads,
                                   mcv_device_scene *kept, mcv_device_scene *device,
                                   mcv_error *error);
 
-/* Between the two: adds what `--precision mixed` needs. MCV_DEVICE where the device has no double
- * precision. */
+/* Between begin and finish: adds what `--precision mixed` needs. MCV_DEVICE if the device has no
+ * double precision. */
 mcv_result mcv_device_scene_refine(const mcv_cl *cl, const mcv_scene *scene,
                                    mcv_device_scene *device, mcv_error *error);
 
@@ -63,16 +65,26 @@ mcv_result mcv_device_scene_refine(const mcv_cl *cl, const mcv_scene *scene,
 mcv_result mcv_device_scene_finish(mcv_cl *cl, mcv_device_scene *kept, mcv_device_scene *device,
                                    mcv_error *error);
 
-/* Both, of a scene of its own. */
+/* Both steps, for a scene without a previous one. */
 mcv_result mcv_device_scene_open(mcv_cl *cl, const mcv_scene *scene, uint32_t threads,
                                  mcv_device_scene *device, mcv_error *error);
 void mcv_device_scene_close(mcv_device_scene *device);
 
-/* Places a sensor: fills its buffer, and in the frame what depends on sensor and scene alone. */
+/* Places a sensor: fills its buffer, and the fields of the frame that depend on sensor and scene
+ * alone. */
 mcv_result mcv_device_scene_place(mcv_cl *cl, const mcv_scene *scene, uint32_t sensor,
                                   mcv_device_scene *device, mcv_frame *frame, mcv_error *error);
 
 void mcv_device_scene_arguments(const mcv_device_scene *device,
                                 mcv_arg arguments[MCV_SCENE_ARGUMENTS]);
+
+/* The splats have room for at least so many replicates: a pilot's. */
+enum { MCV_LIGHT_REPLICATES = 4 };
+
+/* From now on, a light path starts for every 2^log2_thinning-th pixel of the frame. */
+void mcv_frame_thin_light(mcv_frame *frame, uint32_t log2_thinning);
+
+/* What one unit of the splats adds to a pixel's sum of samples. */
+double mcv_frame_splat_value(const mcv_frame *frame);
 
 #endif

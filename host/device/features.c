@@ -101,7 +101,7 @@ static void find_of_material(finding *f, const mcv_material *m) {
     const mcv_dielectric_params *glass =
         m->type == MCV_MATERIAL_DIELECTRIC ? &m->as.dielectric : NULL;
     const bool diffuse = m->type == MCV_MATERIAL_DIFFUSE;
-    const bool sheet = m->type == MCV_MATERIAL_SHEET || m->type == MCV_MATERIAL_BEAM_SPLITTER;
+    const bool plate = mcv_material_is_plate(m->type);
     const bool texture = m->texture != MCV_NONE || mcv_material_surface_texture(m) != MCV_NONE;
     const struct {
         unsigned feature;
@@ -113,11 +113,11 @@ static void find_of_material(finding *f, const mcv_material *m) {
         {MCV_FEATURE_ABSORPTION, glass && any_above_0(glass->absorption)},
         {MCV_FEATURE_COATING, glass && glass->coating > 0},
         {MCV_FEATURE_DISPERSION, glass && !mcv_is_grey(glass->ior)},
-        {MCV_FEATURE_SPLIT, sheet || glass},
-        {MCV_FEATURE_SHEET, sheet},
+        {MCV_FEATURE_SPLIT, plate || glass},
+        {MCV_FEATURE_SHEET, plate},
         {MCV_FEATURE_MIRROR, m->type == MCV_MATERIAL_MIRROR},
         {MCV_FEATURE_GLOSS, mcv_material_is_rough(m) || m->type == MCV_MATERIAL_CONDUCTOR},
-        {MCV_FEATURE_REFLECTOR, mcv_material_is_reflector(m->type)},
+        {MCV_FEATURE_REFLECTOR, mcv_material_is_scatterer(m->type)},
         {MCV_FEATURE_TEXTURE, texture},
     };
     for (size_t i = 0; i < sizeof of / sizeof of[0]; ++i)
@@ -134,7 +134,7 @@ static void find_of_emitter(finding *f, const mcv_emitter *e) {
         {MCV_FEATURE_PARALLEL, !isnan(mcv_emitter_half_angle(e))},
         {MCV_FEATURE_LIGHT_FIELD, e->type == MCV_EMITTER_LIGHT_FIELD_EMITTER},
         {MCV_FEATURE_PROJECTOR, e->type == MCV_EMITTER_PROJECTOR},
-        {MCV_FEATURE_AREA, e->type == MCV_EMITTER_AREA},
+        {MCV_FEATURE_AREA, mcv_emitter_is_surface_light(e->type)},
         {MCV_FEATURE_ENVIRONMENT, environment && !mcv_is_sampled(e)},
         {MCV_FEATURE_ENVIRONMENT_IMAGE, environment && mcv_is_sampled(e)},
         {MCV_FEATURE_BEAM, e->type == MCV_EMITTER_COLLIMATED_BEAM},
@@ -145,7 +145,7 @@ static void find_of_emitter(finding *f, const mcv_emitter *e) {
         add(f, of[i].feature, of[i].needed, "emitter", e->name);
 }
 
-/* Does one box lie inside of the other, by more than coordinates round? */
+/* Does one box lie inside the other, by more than the rounding of coordinates? */
 static bool well_inside(const mcv_box3d *inner, const mcv_box3d *outer) {
     for (int k = 0; k < 3; ++k) {
         const double margin = 1e-6 * (outer->upper[k] - outer->lower[k]);
@@ -160,15 +160,15 @@ static bool is_dielectric_body(const mcv_scene *scene, const mcv_instance *insta
     return scene->materials[instance->material].type == MCV_MATERIAL_DIELECTRIC;
 }
 
-/* Are both of them pieces of exact bodies with one frame, as those of a lens are? */
+/* Are both pieces of exact bodies with one frame, such as those of a lens? */
 static bool same_lens(const mcv_scene *scene, const mcv_instance *a, const mcv_instance *b) {
     return scene->meshes[a->mesh].triangle_count == 0 &&
            scene->meshes[b->mesh].triangle_count == 0 &&
            memcmp(&a->to_world, &b->to_world, sizeof a->to_world) == 0;
 }
 
-/* Does the outer body's mesh come near the box of a body in its own box? A vial's mesh does, a lens
- * around a bubble does not. */
+/* Does the mesh of the outer body come near the box of a body inside it? The mesh of a vial does, a
+ * lens around a bubble does not. */
 static bool comes_near(const mcv_scene *scene, uint32_t outer, const mcv_box3d *inner) {
     const uint32_t triangles = scene->meshes[scene->instances[outer].mesh].triangle_count;
     for (uint32_t t = 0; t < triangles; ++t) {
@@ -185,8 +185,8 @@ static bool comes_near(const mcv_scene *scene, uint32_t outer, const mcv_box3d *
     return false;
 }
 
-/* May bodies of dielectrics touch? Not where their boxes are apart, nor where one lies within the
- * other and away from its surface. The first such pair. */
+/* May bodies of dielectrics touch? They cannot if their boxes are apart, or if one lies inside the
+ * other, away from its surface. `pair` gets the first such pair. */
 static bool may_touch(const mcv_scene *scene, const mcv_box3d *boxes, uint32_t pair[2]) {
     for (uint32_t i = 0; i < scene->instance_count; ++i) {
         const mcv_instance *a = scene->instances + i;
@@ -207,7 +207,7 @@ static bool may_touch(const mcv_scene *scene, const mcv_box3d *boxes, uint32_t p
     return false;
 }
 
-/* Next-event estimation, and how it chooses: known once the emitters are packed. */
+/* Next-event estimation and its variants, which depend on the packed emitters. */
 static void find_next_event(finding *f, const mcv_scene *scene, const mcv_packed *packed) {
     const uint32_t scatters =
         1u << MCV_FEATURE_DIFFUSE | 1u << MCV_FEATURE_GLOSS | 1u << MCV_FEATURE_REFLECTOR;
@@ -216,9 +216,6 @@ static void find_next_event(finding *f, const mcv_scene *scene, const mcv_packed
     bool rectangle = false, emits = false;
     uint32_t count = 0;
     const char *name = NULL, *rectangle_name = NULL;
-    add(f, MCV_FEATURE_INTERLEAVE,
-        (f->features & scatters) && scene->triangle_count >= MCV_MANY_TRIANGLES,
-        "the number of triangles", NULL);
     if (!(f->features & scatters) || !packed->emitters) return;
     for (uint32_t i = 0; i < scene->emitter_count; ++i) {
         if (!mcv_is_sampled(scene->emitters + i)) continue;
@@ -237,26 +234,27 @@ static void find_next_event(finding *f, const mcv_scene *scene, const mcv_packed
 }
 
 /*
- * The largest angle between a pixel's rays and its chief ray; behind optics, what these may make of
- * it. 0 of a pinhole.
+ * The largest angle between a pixel's rays and its chief ray, or an estimate of it behind optics. 0
+ * for a pinhole.
  */
 static double pupil_half_angle(const mcv_sensor *sensor, bool through_optics) {
     const mcv_telecentric_params *t = &sensor->as.telecentric;
     const mcv_thin_lens_params *l = &sensor->as.thin_lens;
     const mcv_light_field_params *f = &sensor->as.light_field;
-    /* The same optics may spread what the pupil collects over some larger angle. */
+    /* Optics may spread the light that the pupil collects over a larger angle. */
     const double spread = through_optics ? 4 : 1;
     if (sensor->type == MCV_SENSOR_TELECENTRIC)
         return spread * atan(t->stopDiameter / 2 / t->focalLength);
-    /* Guiding costs a dozen rays for each of the many pixels, which see little of the lens. */
+    /* Guiding costs a dozen rays per pixel. Light field cameras have many pixels, each of which
+     * sees little of the lens. */
     if (sensor->type == MCV_SENSOR_LIGHT_FIELD && (f->binning[0] > 1 || f->binning[1] > 1))
         return 0; /* several chief rays */
     if (sensor->type == MCV_SENSOR_LIGHT_FIELD)
         return atan(f->lensDiameter / 2 / fmin(f->angularResolution[0], f->angularResolution[1]) *
                     fabs(mcv_kappa(f->focalLength, f->imageDistance)));
     if (sensor->type != MCV_SENSOR_THIN_LENS) return 0;
-    /* Optics in between may part rays that are parallel here: assume about as strong ones as the
-     * camera's. */
+    /* Optics between camera and emitter may make parallel rays diverge. They are assumed to be
+     * about as strong as the camera's lens. */
     const double power =
         through_optics ? 1 / l->focalLength : fabs(mcv_kappa(l->focalLength, l->imageDistance));
     return spread * atan(l->lensDiameter / 2 * power);
@@ -274,7 +272,7 @@ static const char *find_guiding_emitter(const finding *f, const mcv_scene *scene
         const mcv_device_emitter *e = &packed->emitters[number++];
         if (e->type != MCV_EMITTER_PARALLEL || !e->parallel.from_receiver) continue;
         const double beta = 2 * asin((double)e->parallel.sin_half);
-        /* The emitter's axis and the node's z both point to where the light goes. */
+        /* The emitter's axis and the node's z both point in the direction of the light. */
         const double cosine =
             e->parallel.axis[0] * m[2] + e->parallel.axis[1] * m[5] + e->parallel.axis[2] * m[8];
         const double apart = acos(fmin(fmax(cosine, -1), 1));

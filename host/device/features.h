@@ -8,8 +8,8 @@
 
 #include "device/pack.h"
 
-/* Declares MCV_WITH_<NAME>, 0 or 1, of each feature as variables, so that conditions in the terms
- * of kernels can be evaluated on the host. */
+/* Declares MCV_WITH_<NAME>, 0 or 1, of each feature as a variable, so that the host can evaluate
+ * conditions of the kernels. */
 #define MCV_FEATURE_VARIABLES(features) \
     const uint32_t feature_bits = (features); \
     MCV_FEATURES(MCV_FEATURE_VARIABLE)
@@ -19,22 +19,22 @@
 
 enum { MCV_CAUSE_SIZE = 160 };
 
-/* What of the options decides a feature. */
+/* The options that decide features. */
 typedef struct mcv_feature_options {
     bool mixed;          /* --precision mixed */
     bool no_light_paths; /* leaves out LIGHT_TRACING */
     bool no_split;       /* leaves out SPLIT */
 } mcv_feature_options;
 
-/* The first thing that needs a feature, as `material "glass"`; empty where the feature is not
+/* The first cause of each feature, such as `material "glass"`; empty for features that are not
  * needed. */
 typedef struct mcv_feature_causes {
     char of[MCV_FEATURE_COUNT][MCV_CAUSE_SIZE];
 } mcv_feature_causes;
 
 /*
- * The features, bit MCV_FEATURE_…, of a packed scene: REACH, RECTANGLE and EARLY_ROULETTE are known
- * once its emitters are packed, AIM and LIGHT_TRACING are of a sensor. `sensor` and `causes` may be
+ * Decides the features, bit MCV_FEATURE_…, of a packed scene. REACH, RECTANGLE and EARLY_ROULETTE
+ * need packed emitters; AIM and LIGHT_TRACING depend on the sensor. `sensor` and `causes` may be
  * NULL. The result depends on the arguments alone.
  */
 uint32_t mcv_decide_features(const mcv_scene *scene, const mcv_packed *packed,
@@ -45,14 +45,14 @@ uint32_t mcv_decide_features(const mcv_scene *scene, const mcv_packed *packed,
 void mcv_feature_names(uint32_t features, char *names, size_t size);
 
 /* The -D options that specialise a program for a scene and one kind of sensor. random: independent
- * random numbers in place of Sobol's. */
+ * random numbers instead of Sobol' points. */
 void mcv_feature_defines(uint32_t features, uint32_t channels, uint32_t sensor_type, bool random,
                          uint32_t slice, char *options, size_t size);
 
 /* 32-bit words of a path's state with these features. */
 uint32_t mcv_path_words(uint32_t features, uint32_t channels);
 
-/* Branches of a sample's path at most with these features. */
+/* The largest number of branches of a sample's path with these features. */
 uint32_t mcv_path_branches(uint32_t features);
 
 #endif

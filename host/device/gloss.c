@@ -66,7 +66,7 @@ static const mcv_albedo_source *find_source(const mcv_packed *packed,
     return NULL;
 }
 
-/* The table from this source: one that is there, one of the scene before, or a new one. */
+/* The table from this source: an existing one, one of the previous scene, or a new one. */
 static mcv_result find_table(const mcv_packed *earlier, mcv_packed *packed,
                              mcv_albedo_source source, uint32_t *table, mcv_error *error) {
     const mcv_albedo_source *found = find_source(packed, &source);
@@ -93,8 +93,8 @@ static mcv_result find_table(const mcv_packed *earlier, mcv_packed *packed,
     return MCV_OK;
 }
 
-/* What reflection from facet to facet leaves: Σ over 2, 3 … reflections of which the share E
- * escapes each time. */
+/* The light after reflection between microfacets: Σ over 2, 3 … reflections, after each of which
+ * the share E escapes. */
 static double left_by_facets(double reflectance, double missing) {
     return reflectance * reflectance * (1 - missing) / (1 - reflectance * missing);
 }
@@ -158,8 +158,8 @@ mcv_result mcv_pack_gloss(const mcv_scene *scene, const mcv_packed *earlier, mcv
 }
 
 /*
- * Below this the directions in which an interface spreads light, α times its relative step of
- * index, differ by less than 100 roundings of a float32: it is taken as smooth.
+ * An interface spreads light by α times its relative step of index. Below this value its directions
+ * differ by less than 100 roundings of a float32: it is taken as smooth.
  */
 static const double least_spread = 1e-5;
 
@@ -168,7 +168,7 @@ mcv_result mcv_pack_interfaces(const mcv_scene *scene, const mcv_packed *earlier
                                const double *index, mcv_error *error) {
     enum { WIDTH = MCV_MAX_MEDIA + 1 };
     for (uint32_t i = 0; i < WIDTH * WIDTH; ++i) packed->interface_albedos[i] = MCV_NONE;
-    /* Of two media that meet, the later one owns the surface between them: it has the higher
+    /* The later one of two media owns the surface between them, because it has the higher
      * priority. */
     for (uint32_t inside = 1; inside <= count; ++inside) {
         const mcv_material *material = &scene->materials[materials[inside]];

@@ -5,8 +5,8 @@
 
 #include "device/pack.h"
 
-/* Fills packed->gloss, the values of rough conductors, and the albedos of what reflects. Fails only
- * without memory. `earlier`: mcv_pack. */
+/* Fills packed->gloss, the values of rough conductors, and the albedos of reflecting materials.
+ * Fails only without memory. `earlier`: see mcv_pack. */
 mcv_result mcv_pack_gloss(const mcv_scene *scene, const mcv_packed *earlier, mcv_packed *packed,
                           mcv_error *error);
 

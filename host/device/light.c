@@ -22,7 +22,7 @@ double mcv_write_cdf(uint32_t *cdf, uint32_t count, const double *values) {
     return total;
 }
 
-/* The solid angle of the cones in which light paths leave a light for the balls. */
+/* The solid angle of the cones in which light paths leave a point towards the balls. */
 static double aimed_angle(const mcv_packed *packed, mcv_vec3 from, mcv_cone own) {
     double sum = 0;
     for (uint32_t i = 0; i < packed->ball_count; ++i)
@@ -30,8 +30,8 @@ static double aimed_angle(const mcv_packed *packed, mcv_vec3 from, mcv_cone own)
     return 4 * M_PI * sum;
 }
 
-/* The same of a surface, with a middling cosine each: about the étendue of the light that falls on
- * the balls, per area. */
+/* The same for a point of a surface, with a typical cosine: an estimate of the étendue per area of
+ * the light that falls on the balls. */
 static double aimed_projection(const mcv_packed *packed, mcv_vec3 from, mcv_cone own) {
     double sum = 0;
     for (uint32_t i = 0; i < packed->ball_count; ++i) {
@@ -53,7 +53,7 @@ static double image_tangents(const mcv_device_emitter *e) {
     return 1 / sqrt(squared[0] * squared[1]);
 }
 
-/* Some places on an emitter's surface, one of as many parts of its area each. */
+/* Sample points on an emitter's surface, one in each of as many equal parts of its area. */
 enum { PLACES = 16 };
 
 typedef struct emitter_place {
@@ -73,7 +73,8 @@ static emitter_place place_on(const mcv_packed *packed, const mcv_device_emitter
         const float *p = packed->positions + 3 * (size_t)corners[i];
         v[i] = mcv_vec(p[0], p[1], p[2]);
     }
-    /* Along a line through the triangle's middle, as far as the number is into its share. */
+    /* The point lies on a line through the triangle's middle, at the position of the number in its
+     * share. */
     const double share = (double)(cdf[triangle + 1] - cdf[triangle]);
     const float u = (float)sqrt((at - cdf[triangle]) / share);
     const mcv_vec3 ab = mcv_sub(v[1], v[0]), ac = mcv_sub(v[2], v[0]);
@@ -88,13 +89,13 @@ static mcv_cone own_cone(const mcv_device_emitter *e, mcv_vec3 normal) {
                       .own = 1};
 }
 
-/* Does light leave the emitter in nearly parallel rays? Most may then miss the balls, which few
- * places on it would see. */
+/* Does the emitter emit nearly parallel rays? Most of them may miss the balls, and few sample
+ * points would see a ball. */
 static bool is_narrow(const mcv_device_emitter *e) {
     return e->type == MCV_EMITTER_PARALLEL && e->parallel.from_receiver;
 }
 
-/* About the étendue of the light that is aimed at the balls [m² sr]. */
+/* An estimate of the étendue of the light that goes to the balls [m² sr]. */
 static double aimed_etendue(const mcv_packed *packed, const mcv_emitter *from,
                             const mcv_device_emitter *e) {
     double sum = 0;
@@ -111,7 +112,7 @@ static bool is_aimed(uint32_t type) {
            type == MCV_EMITTER_LIGHT_FIELD_EMITTER;
 }
 
-/* The area of the disks that the balls throw. */
+/* The area of the disks onto which the balls project. */
 static double disks(const mcv_packed *packed) {
     double sum = 0;
     for (uint32_t i = 0; i < packed->ball_count; ++i)
@@ -120,17 +121,17 @@ static double disks(const mcv_packed *packed) {
 }
 
 /*
- * Is an emitter that shines all around seen from the balls, and so through them, under so little of
- * the hemisphere's π sr that camera paths seldom find it? By chance they bring π/Ω times what lies
- * there, with a variance of as many times its square; measured (a ball of glass or satin metal
- * under a lamp), light paths are worth their time from a quarter on.
+ * Does an emitter that emits in all directions fill, seen from the balls, so little of the
+ * hemisphere's π sr that camera paths seldom hit it? With solid angle Ω the contribution of a hit
+ * is π/Ω times the mean, and its variance as many times the square of the mean. Measured with a
+ * ball of glass or satin metal under a lamp: light paths pay up to a quarter of the hemisphere.
  */
 static bool is_small(const mcv_packed *packed, const mcv_device_emitter *e, double etendue) {
     return !is_aimed(e->type) || is_narrow(e) || 4 * etendue <= M_PI * disks(packed);
 }
 
-/* The flux of all light paths of an emitter, over its radiance (irradiance, intensity); *unit:
- * without what the kernels aim by. */
+/* The flux of all light paths of an emitter, over its radiance (irradiance, intensity). *unit gets
+ * this flux without the factor of the kernels' choice of directions. */
 static double unit_flux(const mcv_packed *packed, const mcv_emitter *from, mcv_device_emitter *e,
                         double *unit) {
     *unit = 1;
@@ -158,21 +159,21 @@ static double unit_flux(const mcv_packed *packed, const mcv_emitter *from, mcv_d
     }
 }
 
-/* The media around a point of the device's. */
+/* The media around a point in the device's coordinates. */
 static uint32_t media_at(const mcv_scene *scene, const mcv_packed *packed, mcv_vec3 p) {
     const double point[3] = {(double)p.x + packed->centre[0], (double)p.y + packed->centre[1],
                              (double)p.z + packed->centre[2]};
     return mcv_media_around(scene, packed, point);
 }
 
-/* Finds the media around the emitter; false where they are not the same everywhere. */
+/* Finds the media around the emitter; false if they are not the same everywhere. */
 static bool find_media(const mcv_scene *scene, const mcv_packed *packed, mcv_device_emitter *e) {
     const float *at = e->type == MCV_EMITTER_POINT ? e->light.position : e->middle;
     e->media = e->type == MCV_EMITTER_DIRECTIONAL
                    ? 0
                    : media_at(scene, packed, mcv_vec(at[0], at[1], at[2]));
     if (!is_aimed(e->type)) return true;
-    /* Before the surface, by more than the coordinates round. */
+    /* A point before the surface, by more than the rounding of coordinates. */
     const float before = (float)(mcv_packed_size(packed) * 0x1p-20);
     for (uint32_t i = 0; i < PLACES; ++i) {
         const emitter_place from = place_on(packed, e, i);
@@ -199,7 +200,7 @@ mcv_result mcv_pack_light(const mcv_scene *scene, mcv_packed *packed, uint32_t *
         if (!mcv_is_sampled(from)) continue;
         mcv_device_emitter *e = &packed->emitters[count++];
         if (!caustics && e->type != MCV_EMITTER_COLLIMATED_BEAM) continue;
-        /* Glossy surfaces find what has an extent. */
+        /* Reflection at glossy surfaces hits emitters that have an extent. */
         if (mcv_emitter_has_surface(from->type) && e->type != MCV_EMITTER_COLLIMATED_BEAM && !wide)
             continue;
         const double flux = unit_flux(packed, from, e, &unit);
@@ -221,15 +222,15 @@ mcv_result mcv_pack_light(const mcv_scene *scene, mcv_packed *packed, uint32_t *
     return MCV_OK;
 }
 
-/* About what a light path carries, over the radiance (irradiance, intensity). */
+/* An estimate of the flux of one light path, over the radiance (irradiance, intensity). */
 static double typical_flux(const mcv_device_emitter *e) {
     return (double)e->light_flux * (double)e->light_aim;
 }
 
 /*
- * What a sensor makes of a point on its axis at the depth z: its brightness, W |d|/z² over the
- * density with which o is chosen; and a pixel's footprint there [m²]. False: light paths cannot
- * reach this type of sensor.
+ * How a sensor sees a point on its axis at the depth z: its brightness, W |d|/z² over the density
+ * of o, and the footprint of a pixel there [m²]. False: light paths cannot reach this type of
+ * sensor.
  */
 static bool look_at_point(const mcv_sensor *sensor, float z, double *brightness,
                           double *footprint) {
@@ -256,7 +257,7 @@ static bool look_at_point(const mcv_sensor *sensor, float z, double *brightness,
     }
 }
 
-/* No surface lies deeper before the sensor. */
+/* The largest depth of a surface before the sensor. */
 static double greatest_depth(const mcv_packed *packed, const mcv_sensor *sensor) {
     const double *m = sensor->to_world.m;
     double depth = 0;
@@ -272,7 +273,7 @@ static double greatest_depth(const mcv_packed *packed, const mcv_sensor *sensor)
     return depth;
 }
 
-/* The balls' disks over the pixels' footprints, in pixels. */
+/* The area of the balls' disks in pixels. */
 static double covered_pixels(const mcv_packed *packed, const mcv_sensor *sensor) {
     const double *m = sensor->to_world.m;
     double sum = 0, brightness, footprint;
@@ -295,17 +296,18 @@ uint32_t mcv_light_thinning(const mcv_packed *packed, const mcv_sensor *sensor) 
         const mcv_device_emitter *e = &packed->emitters[i];
         const bool punctual = e->type == MCV_EMITTER_POINT || e->type == MCV_EMITTER_DIRECTIONAL;
         if (!(e->light_flux > 0)) continue;
-        /* Of what is not aimed, or not everywhere, a part misses the balls. */
+        /* Emitters without a choice of directions towards the balls lose some paths that miss the
+         * balls. */
         if (!punctual && (!is_aimed(e->type) || is_narrow(e))) return 0;
-        /* The less of it camera paths find, the more light paths are worth their time: see
-         * is_small. */
+        /* The fewer of this light camera paths find, the more light paths pay: see is_small. */
         density =
             fmax(density, punctual ? 4 : fmin(4, M_PI * disks(packed) / (64 * typical_flux(e))));
     }
     const double wanted = density * covered_pixels(packed, sensor);
     mcv_sensor_film_size(sensor, &width, &height);
     const double pixels = (double)mcv_tiled_pixels(width, height);
-    while (thinning < 6 && pixels * exp2(-(double)thinning - 1) >= wanted) ++thinning;
+    while (thinning < MCV_MOST_THINNING && pixels * exp2(-(double)thinning - 1) >= wanted)
+        ++thinning;
     return thinning;
 }
 
@@ -323,17 +325,17 @@ bool mcv_traces_light(const mcv_packed *packed, const mcv_sensor *sensor) {
         if (!(e->light_flux > 0)) continue;
         if (is_aimed(e->type) || e->type == MCV_EMITTER_PROJECTOR) {
             /*
-             * Camera paths find it, too (mcv_light_share in kernels/light/light_path.h). One for
-             * each pixel, light paths cost as much again and more: they are worth it where one of
-             * them brings twice what a camera path does, fewer of them where they bring half of the
-             * light. They do not where what the film sees is small against the emitter's area times
-             * sin²β.
+             * Camera paths find this light too (mcv_light_share in kernels/light/light_path.h). One
+             * light path per pixel costs at least as much as the camera paths. They pay if one of
+             * them contributes twice as much as a camera path; fewer light paths pay if they
+             * contribute half of the light. They do not pay if the area that the film sees is small
+             * against the emitter's area times sin²β.
              */
             if (M_PI * paths * footprint >= (thinning > 0 ? 1 : 2) * typical_flux(e)) return true;
             continue;
         }
         if (e->type != MCV_EMITTER_COLLIMATED_BEAM) return true;
-        /* Both the beam's axis and the node's z point to where the light goes. */
+        /* The beam's axis and the node's z both point in the direction of the light. */
         const double towards =
             e->beam.axis[0] * m[2] + e->beam.axis[1] * m[5] + e->beam.axis[2] * m[8];
         if (packed->ball_count > 0 || (towards > 0 && sensor->type != MCV_SENSOR_PINHOLE))

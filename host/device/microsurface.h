@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* GGX's microfacets of one roughness in double, as multiple scattering is tabulated by
- * (multiple.h). */
+/* GGX microfacets of one roughness, in double. The tables of multiple scattering (multiple.h) are
+ * computed from them. */
 #ifndef MCVISI_HOST_DEVICE_MICROSURFACE_H
 #define MCVISI_HOST_DEVICE_MICROSURFACE_H
 
@@ -28,8 +28,9 @@ static inline double mcv_visible_area(double alpha, const double w[3]) {
 }
 
 /*
- * The direction w into which a visible microfacet reflects light from o, which may come from below:
- * that of mcv_ggx_sample with radius² = 1 - left². *c gets the cosine of incidence, h the normal.
+ * The direction w into which a visible microfacet reflects light from o, which may come from below.
+ * It corresponds to mcv_ggx_sample with radius² = 1 - left². *c gets the cosine of incidence, h the
+ * normal.
  */
 static inline void mcv_reflect_by_facet(double alpha, const double o[3], double left,
                                         const double turn[2], double w[3], double *c, double h[3]) {
@@ -48,8 +49,8 @@ static inline void mcv_reflect_by_facet(double alpha, const double o[3], double 
 }
 
 /*
- * Places in a table of `cosines` rows or columns (kernels/bsdf/microfacet.h): the cosine of one,
- * and back. The grazing one is the limit.
+ * Positions in a table of `cosines` rows or columns (kernels/bsdf/microfacet.h): from position to
+ * cosine, and back. The grazing one is a limit.
  */
 static inline double mcv_multiple_cosine(uint32_t place, uint32_t cosines) {
     const double x = (double)place / (cosines - 1), rest = 1 - x;

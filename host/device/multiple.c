@@ -16,8 +16,8 @@ enum {
     WORDS = MCV_MULTIPLE_WORDS
 };
 
-/* Visible microfacets of a direction that the second reflection is summed over: right to 1 %, as
- * finer steps show. */
+/* Visible microfacets of a direction, over which the second reflection is summed: accurate to 1 %,
+ * compared with finer steps. */
 enum { RADII = 24, ANGLES = 24, FACETS = RADII * ANGLES };
 
 /* Steps of a metal's reflectance by the cosine. */
@@ -48,11 +48,11 @@ static float reflectance(const float *steps, float c) {
 }
 
 /*
- * Adds what light from one direction does by way of the directions into which its own visible
- * microfacets reflect, to a second, `turn` away in azimuth: 4 |o_z| |i_z| (1 + Λ(o) + Λ(i)) times
- * the BRDF of two reflections, of white microfacets and by the words of an entry. Heights between
- * the reflections are integrated by hand; the balance heuristic shares with the other direction's
- * microfacets.
+ * Adds two reflections from one direction to a second, `turn` away in azimuth. The first reflection
+ * goes to the directions of `from`'s visible microfacets. The sum is 4 |o_z| |i_z| (1 + Λ(o) +
+ * Λ(i)) times the BRDF of two reflections, for white microfacets and for the words of an entry. The
+ * heights between the reflections are integrated in closed form; the balance heuristic combines the
+ * microfacets of both directions.
  */
 static void add_twice(const surface *work, const heading *from, const heading *to,
                       double turn_cosine, double turn_sine, double sums[WORDS + 1]) {
@@ -105,7 +105,7 @@ static float *entry_at(float *table, uint32_t row, uint32_t column, uint32_t ent
     return table + (size_t)WORDS * ((row * COSINES + column) * AZIMUTHS + entry);
 }
 
-/* What white microfacets do by one reflection, normed as add_twice's sums: the density of the one
+/* One reflection of white microfacets, in the units of add_twice: the density of the microfacet
  * between. */
 static double once_at(double alpha, const heading *a, const heading *b, double half) {
     const double c = 2 * half * half - 1, z = a->cosine + b->cosine,
@@ -114,15 +114,15 @@ static double once_at(double alpha, const heading *a, const heading *b, double h
     return mcv_facet_density(alpha, z * z / (z * z + along * along + across * across));
 }
 
-/* Of light from a direction: the shares that leave white microfacets after one, two and more
+/* The shares of light from a direction that leave white microfacets after one, two and more
  * reflections. */
 static void count_reflections(double alpha, const heading *from, double shares[3]) {
     enum { RADII_1 = 24, ANGLES_1 = 12, RADII_2 = 12, ANGLES_2 = 12 };
     const double own = from->lambda, o[3] = {from->sine, 0, from->cosine};
     memset(shares, 0, 3 * sizeof *shares);
     for (int f = 0; f < RADII_1 * ANGLES_1; ++f) {
-        /* Steep microfacets send light down: left = v² puts points there. Both sides of the plane
-         * of incidence are alike. */
+        /* Steep microfacets reflect light downwards: left = v² puts points there. The two sides of
+         * the plane of incidence are equal. */
         const double v = (f % RADII_1 + 0.5) / RADII_1,
                      first = 4 * v * v * v / (RADII_1 * ANGLES_1);
         const int around = f / RADII_1;
@@ -151,7 +151,7 @@ static void count_reflections(double alpha, const heading *from, double shares[3
     }
 }
 
-/* The microfacet that reflects from a to b: its density, 0 where none does. */
+/* The density of the microfacet that reflects from a to b; 0 if there is none. */
 static double between(double alpha, const double a[3], const double b[3]) {
     const double sum[3] = {a[0] + b[0], a[1] + b[1], a[2] + b[2]},
                  squared = sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2];
@@ -169,16 +169,17 @@ static double heights(double o, double w1, bool up1, double w2, bool up2, double
     if (up1) return 1 / ((1 + o + w1) * (up2 ? 1 + o + w2 : 1 + w2 + i) * all);
     if (!up2) return 1 / ((1 + i + w1) * (1 + i + w2) * all);
     double x = o - w1,
-           y = i - w2; /* down, then up: its limits as these vanish are met by a small step */
+           y = i -
+               w2; /* down, then up: the limits for vanishing values are taken by a small step */
     if (fabs(x) < 1e-4) w1 = o - (x = 1e-4);
     if (fabs(y) < 1e-4) w2 = i - (y = 1e-4);
     return (1 / (1 + w1 + w2) - 1 / (1 + w2 + o) - 1 / (1 + w1 + i) + 1 / all) / (x * y);
 }
 
 /*
- * Three reflections of white microfacets between directions with c the cosine between their
- * azimuths, normed as add_twice's sums. Two of the three microfacets are chosen among the visible
- * ones, by an additive recurrence; the balance heuristic joins the three choices.
+ * Three reflections of white microfacets between two directions; c is the cosine between their
+ * azimuths. Units are those of add_twice. Two of the three microfacets are chosen among the visible
+ * ones by an additive recurrence; the balance heuristic combines the three choices.
  */
 static double thrice(double alpha, const heading *from, const heading *to, double c) {
     enum { CHOICES = 1024 };
@@ -227,8 +228,8 @@ static double thrice(double alpha, const heading *from, const heading *to, doubl
     return all * sum / CHOICES;
 }
 
-/* For every third row and column and some angles: three reflections over two. In between, by lines.
- */
+/* Three reflections over two, at every third row and column and some angles; linear interpolation
+ * between. */
 enum { COARSE = (COSINES + 1) / 3, TURNS = 3 };
 static const uint32_t turns[TURNS] = {0, 3, AZIMUTHS - 1};
 
@@ -265,9 +266,9 @@ static double ratio_at(double ratios[COARSE][COARSE][TURNS], uint32_t row, uint3
 }
 
 /*
- * Of what white microfacets do with light from the direction of a row: shares[b] by three
- * reflections towards column b, as the device interpolates. `white` holds two reflections, one word
- * per entry. ratios == NULL: by what `white` holds.
+ * shares[b] is the light, from the direction of a row, that white microfacets send towards column b
+ * by three reflections, as the device interpolates. `white` holds two reflections, one word per
+ * entry. ratios == NULL: by two reflections.
  */
 static void follow(double alpha, const heading *from, const float *white,
                    double ratios[COARSE][COARSE][TURNS], uint32_t row, double shares[COSINES]) {
@@ -299,9 +300,8 @@ static void follow(double alpha, const heading *from, const float *white,
 }
 
 /*
- * What leaves after three and more reflections, over what leaves after three, is r(o) r(i), where r
- * >= 1 is such that white microfacets lose nothing at any angle. Returns the mean that one
- * reflection leaves.
+ * Three and more reflections over three are r(o) r(i); r >= 1 is chosen so that white microfacets
+ * lose no light at any angle. Returns the mean after one reflection.
  */
 static double find_rest(const surface *work, const float *white,
                         double ratios[COARSE][COARSE][TURNS], double r[COSINES]) {
@@ -329,8 +329,8 @@ static double find_rest(const surface *work, const float *white,
     return mean / weights;
 }
 
-/* The words of all entries but for what more reflections add; `white` gets the second reflection of
- * white microfacets. */
+/* Fills the words of all entries, without three and more reflections; `white` gets the second
+ * reflection of white microfacets. */
 static void fill_twice(const surface *work, float *table, float *white) {
     for (uint32_t row = 0; row < COSINES; ++row)
         for (uint32_t column = 0; column <= row; ++column)

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Light that microfacets of an interface send on to each other (multiple.h), by walks on them. */
+/* Multiple scattering between the microfacets of an interface (multiple.h), by random walks. */
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -31,13 +31,14 @@ typedef struct interface {
     float x[NODES][NODES][TURNS], y[NODES][NODES][TURNS]; /* of a row: directions of columns */
 } interface;
 
-/* Light on its way from microfacet to microfacet, in a frame in which its own medium lies above. */
+/* Light on its random walk, in a frame in which its current medium lies above. */
 typedef struct walker {
-    double back[3];           /* to where it comes from */
-    double below;             /* the share of the surface below it */
-    double weight;            /* what is left of it */
-    double begun, first_seen; /* density of its first meeting; area that sees it from the second */
-    int side;                 /* 0: that where it began */
+    double back[3]; /* direction it comes from */
+    double below;   /* the share of the surface below it */
+    double weight;  /* remaining weight */
+    double begun,
+        first_seen; /* density of the first meeting; area that is visible from the second */
+    int side;       /* 0: the side where it started */
 } walker;
 
 /* splitmix64, as a number in (0, 1). */
@@ -48,7 +49,7 @@ static double unit(uint64_t *state) {
     return ((double)((x ^ x >> 31) >> 11) + 0.5) * 0x1p-53;
 }
 
-/* What an interface reflects of light from index n1 at a cosine, eta = n1/n2. */
+/* Reflectance of an interface for light from index n1 at a cosine; eta = n1/n2. */
 static inline float reflectance(float eta, float scale, float offset, float c) {
     const float squared = 1 - eta * eta * (1 - c * c), c2 = sqrtf(squared > 0 ? squared : 0);
     const float s = (eta * c - c2) / (eta * c + c2), p = (c - eta * c2) / (c + eta * c2);
@@ -105,8 +106,8 @@ static void connect(const interface *at, int start, uint32_t row, const walker *
 }
 
 /*
- * Lets light meet a microfacet, which turns it: `chances` place the microfacet and choose what it
- * does; reflects: 1 or 0 where that is given, by halves.
+ * Light meets a microfacet and is reflected or refracted. `chances` choose the microfacet and,
+ * unless `reflects` is given as 1 or 0, the event.
  */
 static void turn_by_facet(const interface *at, int start, walker *w, const double chances[3],
                           int reflects, bool first) {
@@ -154,8 +155,8 @@ static double next(numbers *n) {
 }
 
 /*
- * Takes light on to the next microfacet, at the first time for certain: what leaves by then is
- * counted elsewhere. False: it leaves.
+ * Moves light to the next microfacet; the first time with certainty, because light that leaves
+ * before is counted elsewhere. False: it leaves.
  */
 static bool go_on(const interface *at, walker *w, bool first, double chance) {
     const double l = mcv_smith(at->alpha, fmax(fabs(w->back[2]), 1e-12));
@@ -217,8 +218,8 @@ static place between(double x, uint32_t count) {
 }
 
 /*
- * Adds up what the entries of one side send towards each column from the direction of a row, as the
- * device interpolates: near by the microfacets that the direction sees, far by the hemisphere.
+ * Adds up what the entries of one side send from a row's direction towards each column, as the
+ * device interpolates: reflection by the visible microfacets, transmission by the hemisphere.
  */
 static void follow_near(const interface *at, const double *words, uint32_t row,
                         double columns[NODES]) {
@@ -275,8 +276,9 @@ static void follow_far(const interface *at, const double *words, uint32_t row,
 typedef double entries[2][2][NODES][NODES][TURNS];
 
 /*
- * Scales the entries by r(o) r(i) so that what goes on after one meeting is what leaves after more:
- * walks know that well, and interpolation errs. The factors keep what is the same both ways so.
+ * Scales the entries by r(o) r(i) so that the light after several meetings equals the light that
+ * does not leave at the first. The walks know this sum well; interpolation has errors. The factors
+ * preserve reciprocity.
  */
 static void complete(const interface *at, double goes_on[2][NODES], entries all) {
     enum { ROUNDS = 40 };
@@ -304,7 +306,7 @@ static void complete(const interface *at, double goes_on[2][NODES], entries all)
     }
 }
 
-/* What an entry is taken over: see mcv_multiple_interface. */
+/* The unit of an entry: see mcv_multiple_interface. */
 static double unit_of(const interface *at, uint32_t far, uint32_t row, uint32_t column,
                       uint32_t turn) {
     const node *from = &at->nodes[row], *to = &at->nodes[column];
@@ -321,7 +323,8 @@ static void fill(const interface *at, goals sums[2][NODES], double goes_on[2][NO
                        far = k / (NODES * NODES * TURNS) % 2, turn = k % TURNS;
         const uint32_t row = k / (NODES * TURNS) % NODES, column = k / TURNS % NODES;
         double sum = sums[side][row][far][column][turn] + sums[side ^ far][column][far][row][turn];
-        if (row == NODES - 1 || column == NODES - 1) { /* upright light sees no azimuth */
+        if (row == NODES - 1 ||
+            column == NODES - 1) { /* at normal incidence azimuths have no meaning */
             sum = 0;
             for (uint32_t each = 0; each < TURNS; ++each)
                 sum += (sums[side][row][far][column][each] +

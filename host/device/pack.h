@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A scene made ready for the device: world geometry in double, re-centred, rounded once to float32,
- * and the tables of mcvisi/tables.h; and what of the renderer it needs.
+ * A scene prepared for the device: world geometry, computed in double, re-centred and rounded once
+ * to float32; the tables of mcvisi/tables.h; the features.
  */
 #ifndef MCVISI_HOST_DEVICE_PACK_H
 #define MCVISI_HOST_DEVICE_PACK_H
@@ -16,9 +16,9 @@ typedef struct mcv_box3d {
 } mcv_box3d;
 
 /*
- * What the albedos of some microfacets come from: of an interface between two indices, or without
- * these of what only reflects; or with `multiple` their tables of multiple scattering, of a metal
- * or without n and k of Schlick's reflectances.
+ * What a table of albedos is computed from: the indices of an interface, or none for a reflecting
+ * surface. With `multiple` it is a table of multiple scattering, of a metal, or without n and k for
+ * Schlick's reflectance.
  */
 typedef struct mcv_albedo_source {
     double roughness, anisotropy, n_outside, n_inside, coating;
@@ -31,7 +31,7 @@ typedef struct mcv_packed {
     uint32_t features; /* bit MCV_FEATURE_… */
     uint32_t channels;
     mcv_box3d *boxes; /* of the instances in the world */
-    double centre[3]; /* world point that is the device's origin, on a grid of a power of two */
+    double centre[3]; /* world point that is the device's origin, on a power-of-two grid */
 
     uint32_t vertex_count, triangle_count, instance_count, material_count, emitter_count,
         texture_count;
@@ -43,8 +43,7 @@ typedef struct mcv_packed {
     uint32_t solid_count;
     uint32_t *indices;   /* 3 per triangle, for the acceleration structure */
     uint32_t *triangles; /* 4 per triangle: the vertices and the instance */
-    float *tangents;     /* 4 per vertex: direction, handedness; NULL where no glossy surface has a
-                            direction */
+    float *tangents; /* 4 per vertex: direction, handedness; NULL without anisotropic surfaces */
     mcv_device_instance *instances;
     mcv_device_material *materials;
     mcv_device_gloss *gloss; /* of each material, or NULL */
@@ -56,25 +55,25 @@ typedef struct mcv_packed {
     mcv_device_interface interfaces[3][(MCV_MAX_MEDIA + 1) * (MCV_MAX_MEDIA + 1)];
     uint32_t interface_albedos[(MCV_MAX_MEDIA + 1) * (MCV_MAX_MEDIA + 1)];
     mcv_device_emitter *emitters;
-    uint32_t *emitter_cdf; /* first emitter_count + 1 entries: which emitter; then each emitter's
-                              triangles; then which light paths start from */
-    uint32_t light_cdf;    /* where those begin */
+    uint32_t *emitter_cdf; /* the first emitter_count + 1 entries choose an emitter; then those of
+                              each emitter's triangles; then the choice of light paths */
+    uint32_t light_cdf;    /* where the last ones begin */
     mcv_ball balls[MCV_MAX_BALLS]; /* around all smooth surfaces */
     uint32_t ball_count;
     mcv_device_texture *textures;
     uint32_t *texels;             /* first 256 words: the sRGB decoding as floats */
-    float environment[3];         /* its radiance, without an image */
-    uint32_t environment_emitter; /* with one */
+    float environment[3];         /* radiance of an environment without image */
+    uint32_t environment_emitter; /* index of an environment with an image */
 
-    /* With MIXED alone: */
-    float *position_lows, *normal_lows; /* what rounding leaves of the positions and the normals */
+    /* Only with MIXED: */
+    float *position_lows, *normal_lows; /* rounding errors of positions and normals */
     mcv_precise_solid *precise_solids;
     double refractive_indices[3][MCV_MAX_MEDIA + 1]; /* of the media by channel */
 } mcv_packed;
 
 /*
- * Fails without memory, or with more than MCV_MAX_MEDIA bodies that overlap. On failure *packed is
- * empty. `earlier`: another scene's, whose albedos serve again where they are the same, or NULL.
+ * Fails without memory, or with more than MCV_MAX_MEDIA overlapping bodies; *packed is then empty.
+ * `earlier` is another scene whose albedos are reused if they are the same, or NULL.
  */
 mcv_result mcv_pack(const mcv_scene *scene, const mcv_packed *earlier, mcv_packed *packed,
                     mcv_error *error);
@@ -84,8 +83,8 @@ void mcv_packed_free(mcv_packed *packed);
 void mcv_pack_solids(const mcv_scene *scene, mcv_packed *packed);
 void mcv_pack_precise_solids(const mcv_scene *scene, mcv_packed *packed);
 
-/* pack_rectangle.c: fills in how the emitter, of which all else is known, is a rectangle; false
- * where it is none. */
+/* pack_rectangle.c: fills in the emitter's rectangle from its other fields; false if it is not a
+ * rectangle. */
 bool mcv_pack_rectangle(const mcv_scene *scene, const mcv_packed *packed,
                         mcv_device_emitter *emitter);
 
@@ -93,14 +92,14 @@ bool mcv_pack_rectangle(const mcv_scene *scene, const mcv_packed *packed,
  * freed. */
 mcv_result mcv_pack_precise(const mcv_scene *scene, mcv_packed *packed, mcv_error *error);
 
-/* Touching boxes overlap, whatever their coordinates round. */
+/* Touching boxes overlap, with a tolerance for the rounding of coordinates. */
 bool mcv_boxes_overlap(const mcv_box3d *a, const mcv_box3d *b);
 
-/* A vertex's normal in the world, unit or 0: the face's stands in for it. */
+/* A vertex's normal in the world, unit; or 0: the face's normal replaces it. */
 void mcv_pack_normal(const mcv_scene *scene, uint32_t instance, uint32_t vertex, double n[3]);
 
-/* Pixels of the image filled up to whole tiles of 8 x 8, by which paths are numbered; as many light
- * paths make a sample. */
+/* Pixels of the image, filled up to whole blocks of 8 x 8, by which paths are numbered. A sample
+ * has as many light paths. */
 static inline uint64_t mcv_tiled_pixels(uint32_t width, uint32_t height) {
     return (((uint64_t)width + 7) & ~(uint64_t)7) * (((uint64_t)height + 7) & ~(uint64_t)7);
 }
@@ -115,8 +114,8 @@ double mcv_packed_size(const mcv_packed *packed);
  * equally good there. */
 bool mcv_is_sampled(const mcv_emitter *emitter);
 
-/* Where the sensor is, as the device wants it: the optical frame to the re-centred world, and what
- * rounding leaves. */
+/* The placement of the sensor: from the optical frame to the re-centred world, and its rounding
+ * error. */
 void mcv_pack_placement(const mcv_packed *packed, const mcv_transform *to_world,
                         float placement[12], float rest[12]);
 

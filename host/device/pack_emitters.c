@@ -12,8 +12,8 @@
 #include "scene/geometry.h"
 #include "scene/texture.h"
 
-/* Over all channels; of what comes from infinitely far away that which falls on the scene's ball.
- */
+/* Power over all channels. For emitters at infinity, the power that falls on the scene's bounding
+ * ball. */
 static double emitter_power(const mcv_scene *scene, const mcv_packed *packed,
                             const mcv_emitter *emitter) {
     double mean[3];
@@ -28,8 +28,8 @@ static double emitter_power(const mcv_scene *scene, const mcv_packed *packed,
 }
 
 /*
- * A sixteenth of all choices goes in equal parts to all emitters that shine: one that is dim beside
- * the others may be the only one close by, and lights without extent are found in no other way.
+ * A sixteenth of all choices is shared equally among all emitters with power: a weak emitter may be
+ * the only one nearby, and emitters without extent are found in no other way.
  */
 static void share_choices(double *powers, uint32_t count) {
     double total = 0;
@@ -49,7 +49,7 @@ static void find_middle(const mcv_packed *packed, uint32_t instance, float middl
         middle[k] = (float)(0.5 * (box->lower[k] + box->upper[k]) - packed->centre[k]);
 }
 
-/* What depends on the type. */
+/* The fields that depend on the type. */
 static void prepare_emitter(const mcv_scene *scene, const mcv_packed *packed, uint32_t index,
                             mcv_device_emitter *to) {
     switch (scene->emitters[index].type) {
@@ -76,6 +76,12 @@ static void prepare_emitter(const mcv_scene *scene, const mcv_packed *packed, ui
         to->type = MCV_EMITTER_POINT;
         mcv_point_light_prepare(scene, index, packed->centre, &to->light);
         break;
+#define MCV_X(name, key, NAME) case MCV_EMITTER_##NAME:
+        MCV_SURFACE_LIGHTS(MCV_X)
+#undef MCV_X
+        to->type = MCV_EMITTER_AREA;
+        mcv_surface_light_prepare(scene, index, &to->surface_light);
+        break;
     case MCV_EMITTER_DIRECTIONAL:
         mcv_directional_prepare(scene, index, &to->directional);
         break;
@@ -86,7 +92,7 @@ static void prepare_emitter(const mcv_scene *scene, const mcv_packed *packed, ui
 
 static double length(const double v[3]) { return hypot(hypot(v[0], v[1]), v[2]); }
 
-/* From the middle, which is re-centred, to a triangle's corners. */
+/* The vectors from the re-centred middle to a triangle's corners. */
 static void ways_to(const mcv_scene *scene, const mcv_packed *packed, uint32_t instance,
                     uint32_t triangle, const float middle[3], double ways[3][3]) {
     mcv_scene_corners(scene, instance, triangle, ways);
@@ -95,9 +101,9 @@ static void ways_to(const mcv_scene *scene, const mcv_packed *packed, uint32_t i
 }
 
 /*
- * Where a receiver may look for the emitter, and how its light thins out
- * (kernels/light/selection.h). What comes from infinitely far away has the power that falls on the
- * scene's ball.
+ * The region that the emitter can light, and how its light falls with distance
+ * (kernels/light/selection.h). An emitter at infinity has the power that falls on the scene's
+ * bounding ball.
  */
 static void find_reach(const mcv_scene *scene, const mcv_packed *packed, const mcv_emitter *from,
                        mcv_device_emitter *to) {
@@ -125,10 +131,10 @@ static void find_reach(const mcv_scene *scene, const mcv_packed *packed, const m
         for (int k = 0; k < 3 && length(face) > 0; ++k)
             facing[k] += face[k] / length(face) / to->triangle_count;
     }
-    /* The corners have been rounded, by less than a fourth of that. */
+    /* The margin is four times the rounding of the corners. */
     to->radius = nextafterf((float)(radius + mcv_packed_size(packed) * 0x1p-22), INFINITY);
-    /* Flat as far as float coordinates can be: where normals differ, their mean is shorter than 1
-     * by the square of the angle. */
+    /* Flat within the resolution of float coordinates: if normals differ, their mean is shorter
+     * than 1 by the square of the angle. */
     bool is_flat = length(facing) > 1 - 1e-12;
     for (uint32_t t = 0; is_flat && t < to->triangle_count; ++t) {
         ways_to(scene, packed, from->instance, t, to->middle, ways);
@@ -164,7 +170,7 @@ size_t mcv_environment_entries(const mcv_texture *image) {
     return image->height + 1 + (size_t)image->height * (image->width + 1);
 }
 
-/* The shares of rows and pixels in what comes from the sky, from entry `next` of the table on. */
+/* The shares of rows and pixels in the sky's light, from entry `next` of the table on. */
 static mcv_result pack_environment(const mcv_scene *scene, mcv_packed *packed,
                                    const mcv_emitter *from, uint32_t number, size_t next,
                                    mcv_error *error) {

@@ -10,7 +10,7 @@ static double largest(const double spectrum[3]) {
     return fmax(spectrum[0], fmax(spectrum[1], spectrum[2]));
 }
 
-/* What a surface lets through, and the chance with which it is taken to reflect. */
+/* The transmittance of a surface, and the probability with which a path is reflected. */
 static void share_out(const double reflectance[3], const double transmittance[3],
                       mcv_device_material *out) {
     const double reflected = largest(reflectance), passed = largest(transmittance);
@@ -21,7 +21,7 @@ static void share_out(const double reflectance[3], const double transmittance[3]
 /* From this α on, a roughness of 1/2, highlights are tens of degrees wide. */
 static const double wide_alpha = 0.25;
 
-/* Below the layer of what is no metal light is spread all around. */
+/* The non-metallic part scatters widely below its layer, so it is never near-specular. */
 static bool is_sharp(const mcv_material *material) {
     const mcv_roughness surface = mcv_material_roughness(material);
     const double alpha = surface.roughness * surface.roughness;
@@ -50,8 +50,8 @@ mcv_device_material mcv_pack_material(const mcv_material *material) {
     case MCV_MATERIAL_SHEET: {
         const double n = material->as.sheet.ior;
         value = material->as.sheet.transmittance;
-        out.eta = (float)(1 / n);
-        out.delta = (float)((n - 1) * (n + 1) / (n * n));
+        out.as.sheet =
+            (mcv_sheet){.eta = (float)(1 / n), .delta = (float)((n - 1) * (n + 1) / (n * n))};
         break;
     }
     case MCV_MATERIAL_BEAM_SPLITTER: {
@@ -87,7 +87,7 @@ mcv_device_material mcv_pack_material(const mcv_material *material) {
 /* Words of device memory per texel. */
 size_t mcv_texel_words(const mcv_texture *texture) { return texture->linear ? 3 : 1; }
 
-/* Word of its first texel; that of the one before whose pixels it shares. */
+/* The first texel's word; textures that share pixels share it. */
 static uint32_t first_texel(const mcv_scene *scene, const mcv_packed *packed, uint32_t texture,
                             size_t next) {
     const mcv_texture *t = &scene->textures[texture];
@@ -142,7 +142,7 @@ uint32_t mcv_shading_of(const mcv_packed *packed, const mcv_device_instance *ins
     if (m->texture != MCV_NONE || e) return MCV_SHADING_ANY;
     if (m->type == MCV_MATERIAL_DIFFUSE) return MCV_SHADING_DIFFUSE;
     if (m->type == MCV_MATERIAL_DIELECTRIC && !m->scattering_sides) return MCV_SHADING_SMOOTH;
-    if (!gloss || !m->scattering_sides || mcv_material_is_reflector(m->type))
+    if (!gloss || !m->scattering_sides || mcv_material_is_scatterer(m->type))
         return MCV_SHADING_ANY;
     return gloss->azimuths == 1 && gloss->roughnesses == 1 && gloss->texture == MCV_NONE
                ? MCV_SHADING_GLOSS

@@ -12,7 +12,7 @@
 #include "scene/geometry.h"
 #include "scene/materials.h"
 
-/* One medium: bodies of one material that keep apart share it. */
+/* One medium; bodies of one material that do not touch share it. */
 typedef struct body_medium {
     uint32_t material;
     double priority;
@@ -22,7 +22,7 @@ static bool comes_before(const body_medium *a, const body_medium *b) {
     return a->priority != b->priority ? a->priority < b->priority : a->material < b->material;
 }
 
-/* Media 0 … count as light of one channel meets them; m > 0 is of the material materials[m]. */
+/* Media 0 … count for one channel; m > 0 is of the material materials[m]. */
 static void pack_media(const mcv_scene *scene, mcv_packed *packed, uint32_t count,
                        const uint32_t *materials, int channel) {
     double index[MCV_MAX_MEDIA + 1] = {1.0};
@@ -54,9 +54,8 @@ static void pack_media(const mcv_scene *scene, mcv_packed *packed, uint32_t coun
 }
 
 /*
- * Gives each dielectric instance a medium, so that a path can keep the set of the bodies it is in
- * as bits, the highest priority on top. Bodies of one material whose boxes do not touch share a
- * bit.
+ * Gives each dielectric instance a medium. A path then stores the set of bodies that it is in as
+ * bits, the highest priority on top. Bodies of one material whose boxes do not touch share a bit.
  */
 mcv_result mcv_pack_media(const mcv_scene *scene, const mcv_packed *earlier, mcv_packed *packed,
                           mcv_error *error) {
@@ -89,9 +88,9 @@ mcv_result mcv_pack_media(const mcv_scene *scene, const mcv_packed *earlier, mcv
         medium_of[i] = ++count;
     }
 
-    /* Sorted by priority, ties as they came: the order carries the old number along in an index
-     * table. */
-    uint32_t place[MCV_MAX_MEDIA] = {0}; /* new number of an old one */
+    /* Sorted by priority; a table maps old indices to new ones. Equal priorities keep their
+     * order. */
+    uint32_t place[MCV_MAX_MEDIA] = {0}; /* new index of each old one */
     body_medium sorted[MCV_MAX_MEDIA] = {{0}};
     for (uint32_t m = 0; m < count; ++m) {
         place[m] = 0;
@@ -118,9 +117,9 @@ mcv_result mcv_pack_media(const mcv_scene *scene, const mcv_packed *earlier, mcv
 }
 
 /*
- * Does the closed surface go round the point? The solid angles that its triangles subtend there
- * (van Oosterom and Strackee 1983) add up to ±4π or to 0, with no ray that could meet an edge; an
- * open surface has less than half and surrounds nothing.
+ * Does the closed surface enclose the point? The solid angles of its triangles at the point (van
+ * Oosterom and Strackee 1983) add up to ±4π or to 0. Unlike a ray, this has no special cases at
+ * edges. An open surface has less than half and encloses nothing.
  */
 static bool surrounds(const mcv_scene *scene, uint32_t instance, const double point[3]) {
     for (uint32_t i = 0; i < scene->solid_count; ++i)

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What `--precision mixed` needs of a scene beside the floats: their rests, exact surfaces and
- * refractive indices in double. */
+/* What `--precision mixed` needs of a scene beside the floats: their rounding errors, exact
+ * surfaces and refractive indices in double. */
 #include "device/pack.h"
 #include "scene/geometry.h"
 

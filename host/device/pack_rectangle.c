@@ -25,8 +25,8 @@ static int square_corner(double corners[3][3]) {
     return square;
 }
 
-/* The rectangle of which a triangle is half: the way along each side, the shorter one first, at
- * right angles. */
+/* The rectangle of which a triangle is half: the vectors along its sides, the shorter one first,
+ * made perpendicular. */
 static void complete(double corners[3][3], double origin[3], double sides[2][3]) {
     const int square = square_corner(corners);
     memcpy(origin, corners[square], 3 * sizeof(double));
@@ -42,8 +42,7 @@ static void complete(double corners[3][3], double origin[3], double sides[2][3])
     for (int k = 0; k < 3; ++k) sides[1][k] -= slant * sides[0][k];
 }
 
-/* Which of the rectangle's corners a point is, in sides, but for a distance of `most`; false: none.
- */
+/* Which corner of the rectangle a point is, within the distance `most`; false: none. */
 static bool find_corner(const double origin[3], double sides[2][3], const double point[3],
                         double most, double place[2]) {
     double rest[3];
@@ -83,7 +82,7 @@ bool mcv_pack_rectangle(const mcv_scene *scene, const mcv_packed *packed,
         for (int c = 0; c < 3; ++c) subtract(corners[t][c], packed->centre, corners[t][c]);
     }
     complete(corners[0], origin, sides);
-    /* As far as float coordinates can be a rectangle's. */
+    /* The tolerance is the resolution of float coordinates. */
     const double most =
         0x1p-20 * ((double)emitter->radius + sqrt(dot(packed->centre, packed->centre)));
     for (int t = 0; t < 2; ++t) {

@@ -43,7 +43,8 @@ static void extend(const mcv_solid *solid, double lower[3], double upper[3]) {
     }
 }
 
-/* Makes *g the group of solid i: called for one solid after the other, from a group of zeros. */
+/* Makes *g the group of solid i. To be called for all solids in order, starting with a group of
+ * zeros. */
 static void enter_group(const mcv_scene *scene, uint32_t i, group *g) {
     double lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY};
     if (i < g->end) return;
@@ -59,7 +60,7 @@ static void enter_group(const mcv_scene *scene, uint32_t i, group *g) {
     g->bound = hypot(hypot(upper[0], upper[1]), upper[2] - g->middle) * (1 + 1e-6);
 }
 
-/* Conics are, whatever their constant, where they bulge. */
+/* Conics are convex on their outer side, for any conic constant. */
 static bool is_convex(const mcv_solid *solid) {
     for (int k = 0; k < 2; ++k) {
         if (solid->caps[k].curvature * (k ? 1 : -1) > 0) return false;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The steps of mcv_pack (device/pack.c), a file each; nothing else calls them. */
+/* The steps of mcv_pack (device/pack.c), one file each; only mcv_pack calls them. */
 #ifndef MCVISI_HOST_DEVICE_PACK_STEPS_H
 #define MCVISI_HOST_DEVICE_PACK_STEPS_H
 
@@ -14,7 +14,7 @@ mcv_box3d mcv_box3d_empty(void);
 void mcv_box3d_extend(mcv_box3d *b, const double p[3]);
 
 /* The scene's centre on a grid of an eighth of its size, a power of two: moving the scene by whole
- * grid steps changes no bit. */
+ * grid steps does not change a bit. */
 void mcv_find_centre(const mcv_box3d *boxes, uint32_t count, double centre[3]);
 
 /* Vertices and triangles of one instance. */
@@ -43,7 +43,7 @@ uint32_t mcv_shading_of(const mcv_packed *packed, const mcv_device_instance *ins
 size_t mcv_environment_entries(const mcv_texture *image);
 mcv_result mcv_pack_emitters(const mcv_scene *scene, mcv_packed *packed, mcv_error *error);
 
-/* balls.c: packed->balls. They hold what the device makes of the bodies' coordinates, too. */
+/* balls.c: packed->balls. They contain the bodies' coordinates as rounded on the device. */
 void mcv_find_balls(const mcv_scene *scene, mcv_packed *packed);
 
 #endif

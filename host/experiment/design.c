@@ -17,7 +17,7 @@ static bool parse_value(const char *text, size_t length, double *value) {
     memcpy(copy, text, length);
     copy[length] = '\0';
     if (copy[strspn(copy, "0123456789.eE+-")] ==
-        '\0') { /* strtod would take "inf" and the like too */
+        '\0') { /* strtod also accepts "inf" and the like */
         *value = strtod(copy, &end);
         return end != copy && *end == '\0' && isfinite(*value);
     }
@@ -176,10 +176,11 @@ static mcv_result count_sets(int design, const mcv_levels *levels, size_t parame
                 error, MCV_USAGE,
                 "a range without a number of steps is for --design lhs or sobol: write FROM..TO:N");
         if (design == MCV_DESIGN_LIST && levels[p].count != *sets)
-            return mcv_fail(error, MCV_USAGE,
-                            "--design list takes the values of all parameters together: one has "
-                            "%zu, another %zu",
-                            *sets, levels[p].count);
+            return mcv_fail(
+                error, MCV_USAGE,
+                "--design list takes the values of all parameters together: one parameter has %zu, "
+                "another %zu",
+                *sets, levels[p].count);
         if (design == MCV_DESIGN_GRID && levels[p].count > MCV_DESIGN_SETS / *sets)
             *sets = MCV_DESIGN_SETS + 1;
         if (*sets > MCV_DESIGN_SETS) break;
@@ -195,8 +196,8 @@ mcv_result mcv_design_make(int design, const mcv_levels *levels, size_t paramete
     MCV_TRY(count_sets(design, levels, parameters, points, sets, error));
     double *v = calloc(*sets * (parameters ? parameters : 1), sizeof *v);
     if (!v) return mcv_fail(error, MCV_FAILED, "no memory for %zu sets of parameters", *sets);
-    size_t repeat =
-        *sets; /* of the grid: sets in which this parameter's level stays, times its levels */
+    size_t repeat = *sets; /* of the grid: number of sets over which this parameter keeps its level,
+                              times its number of levels */
     for (size_t p = 0; p < parameters; ++p) {
         if (design == MCV_DESIGN_GRID) repeat /= levels[p].count;
         if (design == MCV_DESIGN_LHS) fill_lhs(p, *sets, seed, v + p, parameters);

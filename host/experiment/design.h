@@ -1,15 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Which sets of parameters an experiment tries. Each parameter has levels (a list, or from … to in
- * so many steps) or a range.
+ * The sets of parameters of an experiment. Each parameter has levels (a list, or FROM to TO in some
+ * number of steps) or a range.
  *
- *   grid   all combinations of the levels, the last parameter changing fastest
- *   list   the first levels of all, then the second ones, …: as many each
- *   lhs    Latin hypercube (McKay, Beckman and Conover 1979): each parameter's range in as many
- * strata as points, each met once sobol  Sobol' points (directions: Joe and Kuo 2008) with a random
- * digital shift; powers of two of them are best
+ *     grid   all combinations of the levels, the last parameter changing fastest
+ *     list   the first levels of all parameters, then the second ones, and so on; all parameters
+ *            must have the same number of levels
+ *     lhs    Latin hypercube (McKay, Beckman and Conover 1979): each parameter's range is divided
+ *            into as many strata as there are points, with one point in each
+ *     sobol  Sobol' points (directions: Joe and Kuo 2008) with a random digital shift; powers of
+ *            two are best
  *
- * lhs and sobol take any values of a range, and of a list its members.
+ * lhs and sobol use any values of a range, and the members of a list.
  */
 #ifndef MCVISI_HOST_EXPERIMENT_DESIGN_H
 #define MCVISI_HOST_EXPERIMENT_DESIGN_H
@@ -27,15 +29,15 @@ typedef struct mcv_levels {
 } mcv_levels;
 
 /*
- * "A..B:N", "A..B:N:log", "A..B" (no grid then), or "A,B,C"; numbers may have units. MCV_USAGE
- * where it is neither. The list is freed by mcv_levels_free.
+ * Reads "A..B:N", "A..B:N:log", "A..B" (not for a grid) or "A,B,C"; numbers may have units.
+ * MCV_USAGE for other texts. The list is freed by mcv_levels_free.
  */
 mcv_result mcv_levels_parse(const char *text, mcv_levels *levels, mcv_error *error);
 void mcv_levels_free(mcv_levels *levels);
 
 /*
- * *values gets [set][parameter], malloc'ed. points is the number of sets of lhs and sobol, and
- * counts for no other. MCV_USAGE where the levels do not suit the design, or for more than
+ * *values gets [set][parameter], malloc'ed. `points` is the number of sets of lhs and sobol; other
+ * designs ignore it. MCV_USAGE if the levels do not suit the design, or for more than
  * MCV_DESIGN_SETS sets.
  */
 mcv_result mcv_design_make(int design, const mcv_levels *levels, size_t parameters, size_t points,

@@ -14,6 +14,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 mcv_result mcv_experiment_load(const mcv_sweep *s, mcv_overrides set, mcv_scene **scene,
                                mcv_error *error) {
@@ -22,7 +23,7 @@ mcv_result mcv_experiment_load(const mcv_sweep *s, mcv_overrides set, mcv_scene 
                        : mcv_scene_load_cached(e->rig, set, s->assets, scene, error);
 }
 
-/* The scene as it stands: what is wrong with it would be wrong in every set. */
+/* Checks the scene without a set's overrides: its errors would occur in every set. */
 static mcv_result check_rig(mcv_sweep *s, mcv_error *error) {
     const mcv_experiment *e = s->experiment;
     mcv_scene *scene;
@@ -42,7 +43,8 @@ static mcv_result check_rig(mcv_sweep *s, mcv_error *error) {
     return result;
 }
 
-/* A path that leads nowhere does so in every set; a value out of range may be one set's own. */
+/* Checks the paths: a wrong path fails in every set, but a value out of range may fail in one set
+ * only. */
 static mcv_result check_paths(const mcv_sweep *s, mcv_error *error) {
     double numbers[MCV_DESIGN_PARAMETERS];
     bool wanted;
@@ -65,8 +67,7 @@ static mcv_result plan_files(mcv_sweep *s, mcv_error *error) {
                         s->table.sidecar);
     if (e->images && mkdir(e->images, 0777) != 0 &&
         (errno != EEXIST || stat(e->images, &status) != 0 || !S_ISDIR(status.st_mode)))
-        return mcv_fail(error, MCV_BAD_INPUT, "--images %s: is no folder that can be made",
-                        e->images);
+        return mcv_fail(error, MCV_BAD_INPUT, "--images %s: the folder cannot be made", e->images);
     return MCV_OK;
 }
 
@@ -99,12 +100,14 @@ mcv_result mcv_experiment_open_table(mcv_sweep *s, mcv_error *error) {
     struct stat status;
     if (!s->experiment->table) return MCV_OK;
     const bool exists = stat(s->table.path, &status) == 0;
-    if (exists && !s->experiment->resume)
-        return mcv_fail(
-            error, MCV_BAD_INPUT,
-            "%s is there already: go on with it by --resume, or give another name by -o",
-            s->table.path);
-    if (exists) {
+    if (exists && !s->experiment->resume && !s->experiment->force)
+        return mcv_fail(error, MCV_BAD_INPUT,
+                        "%s exists already: continue it by --resume, begin it again by "
+                        "--force, or give another name by -o",
+                        s->table.path);
+    if (exists && s->experiment->force && unlink(s->table.path) != 0)
+        return mcv_fail(error, MCV_BAD_INPUT, "%s: %s", s->table.path, strerror(errno));
+    if (exists && s->experiment->resume) {
         MCV_TRY(mcv_sidecar_check(&sidecar, error));
         MCV_TRY(mcv_table_resume(&s->table, s->done, error));
     } else {

@@ -31,35 +31,36 @@ typedef struct mcv_sweep_calls {
     void (*warning)(void *user, const char *sentence);
     /* Each row as it is appended; message: why the set failed, or NULL. */
     void (*row)(void *user, const mcv_sweep *sweep, const double *row, const char *message);
-    /* Asked during and after each render. Anything but MCV_OK stops, and is what the run returns;
-     * the set at work leaves no row. */
+    /* Called during and after each render. Any result but MCV_OK stops the run and is its result;
+     * the current set has no row. */
     mcv_result (*interrupted)(void *user);
     void *user;
 } mcv_sweep_calls;
 
-/* mcv_reference_render, or what has its form. */
+/* The form of mcv_reference_render. */
 typedef mcv_result mcv_render_with(const mcv_scene *scene, uint32_t sensor,
                                    const mcv_render_options *options, mcv_film *film,
                                    mcv_render_stats *stats, mcv_error *error);
 
-/* Nothing is owned, and all of it must outlive the sweep. */
+/* All pointers are borrowed and must outlive the sweep. */
 typedef struct mcv_experiment {
     const char *rig;              /* the path of the scene */
     const mcv_document *document; /* the scene itself, in which the path is for messages only; NULL:
                                      it is read from there */
-    mcv_overrides set;            /* of all sets; theirs come after these */
+    mcv_overrides set;            /* overrides of all sets; those of each set follow */
     const char *sensor;           /* by name or number; NULL: the only one */
-    uint64_t resolution[2];       /* other pixels on the same field of view; 0: as it is */
+    uint64_t resolution[2];       /* other pixels on the same field of view; 0: unchanged */
     mcv_variation variation;
     mcv_measuring measuring;
-    mcv_render_options render;    /* progress, enough and user are the sweep's own */
-    mcv_render_with *render_with; /* NULL: OpenCL, keeping what sets have in common */
+    mcv_render_options render;    /* the sweep sets progress, enough and user */
+    mcv_render_with *render_with; /* NULL: OpenCL, with a renderer for all sets */
     const char *table;            /* F.csv; F.json and F.html stand beside it; NULL: no files */
     const char *images;           /* the folder that keeps each set's image, or NULL */
-    bool resume;                  /* go on with a table that was begun */
-    const char *file; /* the experiment was read from it, and F.json must not replace it; NULL */
-    json_t *settings; /* what F.json tells beside the scene, and must be the same to resume: an
-                         object, or NULL */
+    bool resume;                  /* continue an existing table */
+    bool force;                   /* begin it again */
+    const char *file; /* the file of the experiment, which F.json must not replace; or NULL */
+    json_t *settings; /* further contents of F.json, which must be equal to resume: an object, or
+                         NULL */
     mcv_sweep_calls calls;
     mcv_renderer *renderer;  /* what is used and kept for others; NULL: the sweep's own */
     mcv_asset_cache *assets; /* likewise */
@@ -74,8 +75,7 @@ struct mcv_sweep {
     char fingerprint[32];   /* of the scene and the files that it names */
     bool *done;             /* sets that have a row */
     double stage_seconds;   /* of all renders, on the device */
-    size_t built, compiled; /* acceleration structures and programs that no render before had
-                               left */
+    size_t built, compiled; /* acceleration structures and programs that could not be reused */
     mcv_renderer *renderer;
     mcv_asset_cache *assets;
 };
@@ -85,21 +85,21 @@ mcv_result mcv_experiment_load(const mcv_sweep *sweep, mcv_overrides set, mcv_sc
                                mcv_error *error);
 
 /*
- * Reads all of the experiment, and the scene: what would be wrong in every set is told here. The
- * folder of the images is made; no other file is written. MCV_USAGE and MCV_BAD_INPUT with a
- * sentence. After failure, too, the sweep is freed by mcv_experiment_free.
+ * Reads the whole experiment and the scene, and reports errors that would occur in every set. Makes
+ * the folder of the images; writes no other file. MCV_USAGE and MCV_BAD_INPUT with a sentence. The
+ * sweep must be freed by mcv_experiment_free even after a failure.
  */
 mcv_result mcv_experiment_plan(const mcv_experiment *experiment, mcv_sweep *sweep,
                                mcv_error *error);
 
-/* Begins the table or, where it is to be resumed, reads its rows: MCV_BAD_INPUT where it cannot be
- * written, is there already or was begun with another experiment. */
+/* Starts the table or, to resume, reads its rows. MCV_BAD_INPUT if it cannot be written, exists
+ * already, or belongs to another experiment. */
 mcv_result mcv_experiment_open_table(mcv_sweep *sweep, mcv_error *error);
 
 /*
- * Renders and measures all sets that have no row. A set that fails is a row with its message, and
- * the sweep goes on. The page is written in the end, after an interruption as well. MCV_FAILED
- * where the table or the page cannot be written.
+ * Renders and measures all sets without a row. A set that fails gives a row with its message, and
+ * the sweep continues. The page is written at the end, also after an interruption. MCV_FAILED if
+ * the table or the page cannot be written.
  */
 mcv_result mcv_experiment_run(mcv_sweep *sweep, mcv_error *error);
 

@@ -146,7 +146,7 @@ static double read_primary(reader *r) {
 static double read_power(reader *r) {
     if (++r->depth > MCV_EXPRESSION_DEPTH) {
         --r->depth;
-        return wrong(r, "it is nested too deep");
+        return wrong(r, "it is nested too deeply");
     }
     const bool negative = take(r, "-");
     double value = negative ? -read_power(r) : read_primary(r);
@@ -214,7 +214,7 @@ static double read_all(reader *r) {
     r->at = r->text;
     const double value = read_either(r);
     skip_spaces(r);
-    return *r->at ? wrong(r, "this is not understood") : value;
+    return *r->at ? wrong(r, "this is not an expression") : value;
 }
 
 mcv_result mcv_expression_evaluate(const char *text, mcv_lookup *lookup, void *user,

@@ -22,7 +22,7 @@ static mcv_result read_metric(const char *item, mcv_measurement *m, mcv_error *e
              (int)(assigned ? assigned - item : (long)strlen(item)), item);
     for (size_t i = 0; i < m->count; ++i)
         if (strcmp(m->metrics[i].name, metric->name) == 0)
-            return mcv_fail(error, MCV_USAGE, "--metric %s: is there twice", metric->name);
+            return mcv_fail(error, MCV_USAGE, "--metric %s: is given twice", metric->name);
     MCV_TRY(mcv_expression_evaluate(metric->expression, mcv_metric_known, (void *)&m->asked->places,
                                     &ignored, error));
     ++m->count;
@@ -38,7 +38,7 @@ static mcv_result read_until(const char *item, mcv_measurement *m, mcv_error *er
             strncmp(m->metrics[k].name, item, (size_t)(equals - item)) == 0)
             found = m->metrics + k;
     if (equals && !found)
-        return mcv_fail(error, MCV_USAGE, "--until %s: there is no --metric of this name", item);
+        return mcv_fail(error, MCV_USAGE, "--until %s: there is no --metric with this name", item);
     const double until = equals ? strtod(equals + 1, &end) : 0;
     if (!equals || end == equals + 1 || *end || !(until > 0))
         return mcv_fail(error, MCV_USAGE,
@@ -50,9 +50,10 @@ static mcv_result read_until(const char *item, mcv_measurement *m, mcv_error *er
 mcv_result mcv_measurement_read(const mcv_measuring *asked, mcv_measurement *m, mcv_error *error) {
     *m = (mcv_measurement){.asked = asked};
     if (asked->metrics.count == 0)
-        return mcv_fail(error, MCV_USAGE,
-                        "--metric is missing: what to measure, as in --metric mean or --metric "
-                        "dent.contrast_to_noise");
+        return mcv_fail(
+            error, MCV_USAGE,
+            "--metric is missing: give what to measure, as in --metric mean or --metric "
+            "dent.contrast_to_noise");
     if (asked->metrics.count > MCV_METRICS)
         return mcv_fail(error, MCV_USAGE, "%zu metrics: at most %d", asked->metrics.count,
                         MCV_METRICS);
@@ -63,14 +64,14 @@ mcv_result mcv_measurement_read(const mcv_measuring *asked, mcv_measurement *m, 
     return MCV_OK;
 }
 
-/* Values of the gradient, whose deviations nobody knows. */
+/* Values of the gradient, whose uncertainties are not known. */
 static mcv_result read_gradient(const mcv_measuring *asked, const mcv_scene *scene, uint32_t sensor,
                                 const mcv_image *image, mcv_metrics *m, mcv_error *error) {
     const mcv_readout readout = mcv_sensor_readout(scene->sensors + sensor);
     mcv_image gradient;
     if (readout.angular[0] * readout.angular[1] < 2)
         return mcv_fail(error, MCV_BAD_INPUT,
-                        "sensor %s is no light field camera: leave out --in emd-gradient",
+                        "sensor %s is not a light field camera: leave out --in emd-gradient",
                         scene->sensors[sensor].name);
     MCV_TRY(mcv_light_field_gradient(image, readout.angular, asked->form, asked->threads, &gradient,
                                      error));
@@ -122,7 +123,7 @@ static mcv_result take_readings(const mcv_measuring *asked, const mcv_scene *sce
     return result;
 }
 
-/* The scale of the image, and the places to measure in as its pixels. */
+/* The scale of the image, and the places to measure in pixels. */
 static mcv_result find_places(const mcv_measuring *asked, const mcv_scene *scene, uint32_t sensor,
                               mcv_metrics *m, mcv_places *resolved, mcv_error *error) {
     mcv_camera_model model;

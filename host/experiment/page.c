@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What the plots want of the rows: the parameters that vary, and the metrics. */
+/* The columns for the plots: the parameters that vary, and the metrics. */
 static double *pick_numbers(const mcv_table *table) {
     const size_t varied = table->plan->varied, metrics = 2 * table->measurement->count,
                  columns = varied + metrics;

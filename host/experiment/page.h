@@ -6,7 +6,7 @@
 
 #include "experiment/table.h"
 
-/* Writes the page of the rows so far to table->page. rig, the scene, stands in its title. */
+/* Writes the page of the current rows to table->page. rig, the scene, is in its title. */
 mcv_result mcv_experiment_page(const char *rig, const mcv_table *table, mcv_error *error);
 
 #endif

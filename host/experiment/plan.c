@@ -9,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* "emitters/back/halfAngle" becomes halfAngle, or back.halfAngle where there is one already. */
+/* "emitters/back/halfAngle" becomes halfAngle, or back.halfAngle if that name exists already. */
 static mcv_result name_parameter(const mcv_plan *plan, mcv_parameter *p, mcv_error *error) {
     int start = p->path_length;
     for (int parts = 0; parts < 3; ++parts) {
@@ -38,7 +38,7 @@ static mcv_result read_parameter(mcv_plan *plan, const char *item, bool tie, mcv
                         tie ? "EXPR" : "VALUES");
     if (plan->count == MCV_DESIGN_PARAMETERS)
         return mcv_fail(error, MCV_USAGE,
-                        "--%s %s: is one too many: at most %d parameters can change", option, item,
+                        "--%s %s: is one too many: at most %d parameters can vary", option, item,
                         MCV_DESIGN_PARAMETERS);
     mcv_parameter *p = plan->parameters + plan->count;
     *p = (mcv_parameter){
@@ -57,9 +57,9 @@ static mcv_result read_parameter(mcv_plan *plan, const char *item, bool tie, mcv
 mcv_result mcv_plan_parameters(const mcv_variation *variation, mcv_plan *plan, mcv_error *error) {
     *plan = (mcv_plan){.where = variation->where};
     if (variation->vary.count == 0)
-        return mcv_fail(
-            error, MCV_USAGE,
-            "--vary is missing: what changes, as in --vary emitters/back/halfAngle=0.1deg..2deg:8");
+        return mcv_fail(error, MCV_USAGE,
+                        "--vary is missing: give what changes, as in --vary "
+                        "emitters/back/halfAngle=0.1deg..2deg:8");
     for (size_t i = 0; i < variation->vary.count; ++i)
         MCV_TRY(read_parameter(plan, variation->vary.items[i], false, error));
     for (size_t i = 0; i < variation->tie.count; ++i)
@@ -98,8 +98,9 @@ mcv_result mcv_plan_set(const mcv_plan *plan, size_t set, double *numbers, bool 
         const mcv_parameter *p = plan->parameters + i;
         MCV_TRY(mcv_expression_evaluate(p->expression, look_up_parameter, &v, &value, error));
         if (!isfinite(value.value))
-            return mcv_fail(error, MCV_USAGE, "--tie %s: is no finite number in set %zu", p->item,
-                            set);
+            return mcv_fail(error, MCV_USAGE,
+                            "--tie %s: must be a finite number, which it is not in set %zu",
+                            p->item, set);
         numbers[i] = value.value;
     }
     *wanted = true;

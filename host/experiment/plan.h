@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The sets of parameters that an experiment tries: some parameters vary by a design
- * (experiment/design.h), others follow from them, and some sets are left out.
+ * The sets of parameters of an experiment. Some parameters vary by a design (experiment/design.h),
+ * others follow from them; conditions leave out sets.
  */
 #ifndef MCVISI_HOST_EXPERIMENT_PLAN_H
 #define MCVISI_HOST_EXPERIMENT_PLAN_H
@@ -9,8 +9,8 @@
 #include "core/basics.h"
 #include "experiment/design.h"
 
-/* What is asked for. A path is one into the scene, as in mcv_overrides; an expression is one of
- * experiment/expression.h in the parameters' names. */
+/* The requested variation. A path leads into the scene, as in mcv_overrides; an expression
+ * (experiment/expression.h) uses the parameters' names. */
 typedef struct mcv_variation {
     mcv_texts vary;  /* "PATH=VALUES", values as mcv_levels_parse reads them */
     mcv_texts tie;   /* "PATH=EXPR" */
@@ -22,31 +22,31 @@ typedef struct mcv_variation {
 
 /* A parameter that varies, or follows from those before it. */
 typedef struct mcv_parameter {
-    char name[64];    /* the end of its path, as long as it takes to tell it from the others */
+    char name[64];    /* the shortest end of its path that is unique */
     const char *item; /* "PATH=…" as given */
     int path_length;
     mcv_levels levels;      /* empty for a tie */
     const char *expression; /* of a tie, or NULL */
 } mcv_parameter;
 
-/* The texts of the variation are not copied. */
+/* The texts of the variation are borrowed. */
 typedef struct mcv_plan {
     mcv_texts where;
     mcv_parameter parameters[MCV_DESIGN_PARAMETERS];
     size_t varied, count;     /* parameters: first those that vary, then ties */
     double *sets;             /* [set][varied] */
-    size_t set_count, wanted; /* wanted: not left out */
+    size_t set_count, wanted; /* wanted: number of sets that are not left out */
 } mcv_plan;
 
-/* Reads the parameters. MCV_USAGE names the text that is wrong. After failure, too, the plan is
- * freed by mcv_plan_free. */
+/* Reads the parameters. MCV_USAGE names the wrong text. The plan must be freed by mcv_plan_free
+ * even after a failure. */
 mcv_result mcv_plan_parameters(const mcv_variation *variation, mcv_plan *plan, mcv_error *error);
 
-/* Makes the sets of a plan whose parameters are read. MCV_USAGE where the design does not suit
- * them, or no set is left. */
+/* Makes the sets of a plan whose parameters are read. MCV_USAGE if the design does not suit them,
+ * or if no set is left. */
 mcv_result mcv_plan_sets(const mcv_variation *variation, mcv_plan *plan, mcv_error *error);
 
-/* All parameters of a set below set_count, ties included; *wanted is false where it is left out. */
+/* All parameters of a set below set_count, ties included; *wanted is false if it is left out. */
 mcv_result mcv_plan_set(const mcv_plan *plan, size_t set, double *numbers, bool *wanted,
                         mcv_error *error);
 void mcv_plan_free(mcv_plan *plan);

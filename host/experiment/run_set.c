@@ -37,7 +37,7 @@ static mcv_result interrupted(const mcv_sweep *s) {
     return calls->interrupted ? calls->interrupted(calls->user) : MCV_OK;
 }
 
-/* The set at work, for what a render asks. */
+/* The current set, for the callbacks of a render. */
 typedef struct set_at_work {
     const mcv_sweep *sweep;
     const mcv_scene *scene;
@@ -56,7 +56,7 @@ static bool is_enough(void *user, const mcv_film *film) {
     return mcv_measurement_suffices(&w->sweep->measurement, w->scene, w->sensor, film);
 }
 
-/* The sensor that the experiment is about, with its pixels. */
+/* The sensor of the experiment, with its pixels. */
 static mcv_result find_sensor(const mcv_experiment *e, mcv_scene *scene, uint32_t *sensor,
                               mcv_error *error) {
     *sensor = 0;
@@ -138,7 +138,7 @@ mcv_result mcv_run_set(mcv_sweep *s, size_t set, double *row, mcv_error *error) 
     if (stopped != MCV_OK && !s->experiment->table)
         return mcv_fail(error, stopped, "interrupted after %zu sets", table->row_count);
     if (stopped != MCV_OK)
-        return mcv_fail(error, stopped, "interrupted: go on by --resume; %zu rows are in %s",
+        return mcv_fail(error, stopped, "interrupted: continue by --resume; %zu rows are in %s",
                         table->row_count, table->path);
     row[mcv_row_fixed(table, MCV_ROW_SECONDS)] = mcv_seconds() - begun;
     const char *message = result == MCV_OK ? NULL : why.text;

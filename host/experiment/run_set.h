@@ -8,14 +8,15 @@
 /* The parameters of a set as "PATH=VALUE". */
 typedef char mcv_set_texts[MCV_DESIGN_PARAMETERS][512];
 
-/* The scene with the overrides of all sets, then the set's own, which texts gets. */
+/* Loads the scene with the overrides of all sets, then those of this set, which are written to
+ * texts. */
 mcv_result mcv_load_set(const mcv_sweep *sweep, const double *numbers, mcv_set_texts texts,
                         mcv_scene **scene, mcv_error *error);
 
 /*
- * Renders and measures a set. row has MCV_ROW_MOST places and holds its parameters; the rest is
- * filled in and the row appended to the table, with a message where the set fails. Not MCV_OK after
- * an interruption, or where the table cannot be written.
+ * Renders and measures a set. row has room for MCV_ROW_MOST numbers and contains the set's
+ * parameters. Fills in the others and appends the row to the table, with a message if the set
+ * fails. Fails only after an interruption, or if the table cannot be written.
  */
 mcv_result mcv_run_set(mcv_sweep *sweep, size_t set, double *row, mcv_error *error);
 

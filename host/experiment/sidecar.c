@@ -14,7 +14,7 @@ static json_t *describe(const mcv_sidecar *s) {
     json_t *document = json_object();
     const char *rig = realpath(s->rig, file) ? file : s->rig;
     snprintf(copy, sizeof copy, "%s", s->table);
-    /* Beside or below the table its name is enough. */
+    /* In or below the table's folder the relative path is enough. */
     if (rig == file && realpath(dirname(copy), folder)) {
         const size_t length = strlen(folder);
         if (strncmp(file, folder, length) == 0 && file[length] == '/') rig = file + length + 1;
@@ -29,13 +29,13 @@ mcv_result mcv_sidecar_write(const mcv_sidecar *s, mcv_error *error) {
     json_t *document = describe(s);
     char *text = json_dumps(document, JSON_INDENT(2) | JSON_REAL_PRECISION(17));
     json_decref(document);
-    if (!text) return mcv_fail(error, MCV_FAILED, "%s: the experiment is no UTF-8 text", s->path);
+    if (!text) return mcv_fail(error, MCV_FAILED, "%s: the experiment must be UTF-8 text", s->path);
     const mcv_result result = mcv_output_whole(s->path, text, strlen(text), error);
     free(text);
     return result;
 }
 
-/* before is what stands in the file, NULL where it cannot be read. */
+/* `before` holds the contents of the file, NULL if it cannot be read. */
 static mcv_result compare(const mcv_sidecar *s, const json_t *before, const json_t *now,
                           const char *wrong, mcv_error *error) {
     const char *key, *hash = json_string_value(json_object_get(before, "fingerprint"));
@@ -47,20 +47,19 @@ static mcv_result compare(const mcv_sidecar *s, const json_t *before, const json
     if (!hash || strcmp(hash, s->fingerprint) != 0)
         return mcv_fail(
             error, MCV_BAD_INPUT,
-            "%s or a file that it names has changed since %s was begun: begin another table by -o",
+            "%s or a file that it names has changed since %s was begun: start another table by -o",
             s->rig, s->table);
     json_object_foreach((json_t *)now, key, value) {
         if (strcmp(key, "rig") != 0 && !json_equal(value, json_object_get(before, key)))
             return mcv_fail(error, MCV_BAD_INPUT,
-                            "--%s is not what %s was begun with (%s): begin another table by -o",
-                            key, s->table, s->path);
+                            "--%s differs from that of %s (%s): start another table by -o", key,
+                            s->table, s->path);
     }
     json_object_foreach((json_t *)before, key, value) {
         if (!json_object_get(now, key))
-            return mcv_fail(
-                error, MCV_BAD_INPUT,
-                "--%s is missing, with which %s was begun (%s): begin another table by -o", key,
-                s->table, s->path);
+            return mcv_fail(error, MCV_BAD_INPUT,
+                            "--%s is missing, but %s has it (%s): start another table by -o", key,
+                            s->table, s->path);
     }
     return MCV_OK;
 }

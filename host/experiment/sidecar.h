@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The experiment as JSON beside its table: it can be run again, and tells whether a table may be
- * gone on with. */
+/* The experiment as JSON beside its table. It can be run again, and it decides whether the table
+ * can be resumed. */
 #ifndef MCVISI_HOST_EXPERIMENT_SIDECAR_H
 #define MCVISI_HOST_EXPERIMENT_SIDECAR_H
 
@@ -8,18 +8,19 @@
 
 #include <jansson.h>
 
-/* Nothing is owned. */
+/* All pointers are borrowed. */
 typedef struct mcv_sidecar {
     const char *path, *table; /* its own and the table's */
-    const char *rig;          /* the scene; written relative to the table where it lies below */
-    const char *fingerprint;  /* of the scene and the files that it names */
-    json_t *settings;         /* an object whose members stand in it as well; NULL: none */
+    const char
+        *rig; /* the scene; written as a relative path if it lies in or below the table's folder */
+    const char *fingerprint; /* of the scene and the files that it names */
+    json_t *settings;        /* an object whose members are written too; NULL: none */
 } mcv_sidecar;
 
-/* Writes it whole. */
+/* Writes the file. */
 mcv_result mcv_sidecar_write(const mcv_sidecar *sidecar, mcv_error *error);
 
-/* Is what stands there the same scene with the same settings? MCV_BAD_INPUT names what is not. */
+/* Does the existing file have the same scene and settings? MCV_BAD_INPUT names the difference. */
 mcv_result mcv_sidecar_check(const mcv_sidecar *sidecar, mcv_error *error);
 
 #endif

@@ -71,7 +71,7 @@ static void put_header(const mcv_table *table, FILE *out) {
     fputs("samples,render_error,seconds,message\n", out);
 }
 
-/* The set comes first in the file, and last in memory. */
+/* The set is the first column in the file and the last in memory. */
 static void put_row(const mcv_table *table, FILE *out, const double *row, const char *message) {
     fprintf(out, "%.0f", row[mcv_row_fixed(table, MCV_ROW_SET)]);
     for (size_t i = 0; i + 1 < table->columns; ++i)
@@ -84,7 +84,7 @@ static void put_row(const mcv_table *table, FILE *out, const double *row, const 
     fputc('\n', out);
 }
 
-/* In one piece: another program, or a crash, sees whole rows only. */
+/* In one write: other programs, and a crash, leave whole rows only. */
 static mcv_result append(const mcv_table *table, const char *text, size_t size, mcv_error *error) {
     const int file = table->descriptor;
     const ssize_t written = write(file, text, size);
@@ -96,7 +96,7 @@ static mcv_result append(const mcv_table *table, const char *text, size_t size, 
                     written < 0 ? strerror(errno) : "the disk is full");
 }
 
-/* Without a row, the header. */
+/* row NULL: the header. */
 static mcv_result append_line(const mcv_table *table, const double *row, const char *message,
                               mcv_error *error) {
     char text[MAX_ROW];
@@ -133,7 +133,7 @@ mcv_result mcv_table_open(mcv_table *table, mcv_error *error) {
                                                      : append_line(table, NULL, NULL, error);
 }
 
-/* Takes the quotes off that put_quoted has put around a text and in it. */
+/* Removes the quotes that put_quoted has added. */
 static const char *unquote(char *text) {
     char *to = text;
     for (const char *from = text + 1; *from && !(from[0] == '"' && from[1] == '\0'); ++from) {

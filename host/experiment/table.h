@@ -15,7 +15,7 @@
 
 #include <limits.h>
 
-/* Samples per pixel, relative error of the image, seconds that the set took, number of the set. */
+/* Samples per pixel; relative error of the image; seconds of the set; number of the set. */
 enum { MCV_ROW_SAMPLES, MCV_ROW_ERROR, MCV_ROW_SECONDS, MCV_ROW_SET, MCV_ROW_FIXED };
 enum { MCV_ROW_MOST = MCV_DESIGN_PARAMETERS + 2 * MCV_METRICS + MCV_ROW_FIXED };
 
@@ -25,7 +25,7 @@ typedef struct mcv_table {
     char path[PATH_MAX], sidecar[PATH_MAX], page[PATH_MAX];
     size_t columns;  /* numbers of a row */
     double *rows;    /* [row][columns], in the order of the file */
-    char **messages; /* of each row why it failed, or NULL */
+    char **messages; /* why each row failed, or NULL */
     size_t row_count;
     int descriptor; /* of the file, -1: not open */
 } mcv_table;
@@ -38,23 +38,23 @@ typedef struct mcv_table {
 mcv_result mcv_table_plan(mcv_table *table, const char *path, const mcv_plan *plan,
                           const mcv_measurement *measurement, mcv_error *error);
 
-/* Begins the file, or goes on with it; a new one gets its header. */
+/* Opens the file for appending; a new one gets its header. */
 mcv_result mcv_table_open(mcv_table *table, mcv_error *error);
 
-/* Reads the rows of a file that was begun, and cuts off what follows the last whole one. done[set]
- * is set for each. */
+/* Reads the rows of an existing file and removes what follows the last whole one. done[set] is set
+ * for each. */
 mcv_result mcv_table_resume(mcv_table *table, bool *done, mcv_error *error);
 
-/* Appends a row to the file, in one piece, and keeps it. message: why it failed, or NULL. */
+/* Appends a row to the file, in one write, and to memory. message: why the set failed, or NULL. */
 mcv_result mcv_table_append(mcv_table *table, const double *row, const char *message,
                             mcv_error *error);
 
-/* Where the value of a metric stands in a row, and its uncertainty behind it; and where one of
- * MCV_ROW_… does. */
+/* The column of a metric's value; its uncertainty is the next one. The column of one of
+ * MCV_ROW_…. */
 size_t mcv_row_metric(const mcv_table *table, size_t metric);
 size_t mcv_row_fixed(const mcv_table *table, int which);
 
-/* How many rows have failed. */
+/* The number of rows that have failed. */
 size_t mcv_table_failed(const mcv_table *table);
 
 /* The rows in which a metric is smallest and largest, the first of several; NULL where no row has

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* a b c d, or 0 where so many elements of the given size cannot be addressed. */
+/* a b c d, or 0 if that many elements of the given size cannot be addressed. */
 static size_t element_count(uint64_t a, uint64_t b, uint64_t c, uint64_t d, size_t size) {
     uint64_t n = a;
     const uint64_t factors[] = {b, c, d, size};
@@ -18,14 +18,15 @@ mcv_result mcv_film_new(mcv_film *film, uint32_t width, uint32_t height, uint32_
                         uint32_t replicates, mcv_error *error) {
     *film = (mcv_film){0};
     if (replicates > MCV_MAX_REPLICATES) {
-        return mcv_fail(error, MCV_USAGE, "%u replicates are too many: at most %d can be",
+        return mcv_fail(error, MCV_USAGE, "%u replicates are too many: at most %d are possible",
                         replicates, MCV_MAX_REPLICATES);
     }
     if (width == 0 || height == 0 || channels == 0 || replicates == 0) {
-        return mcv_fail(error, MCV_USAGE,
-                        "a film of %u x %u pixels, %u channels and %u replicates cannot be: each "
-                        "must be at least 1",
-                        width, height, channels, replicates);
+        return mcv_fail(
+            error, MCV_USAGE,
+            "a film of %u x %u pixels, %u channels and %u replicates is not possible: each must "
+            "be at least 1",
+            width, height, channels, replicates);
     }
     *film = (mcv_film){
         .width = width, .height = height, .channels = channels, .replicates = replicates};
@@ -33,11 +34,11 @@ mcv_result mcv_film_new(mcv_film *film, uint32_t width, uint32_t height, uint32_
     if (count > 0) film->sums = calloc(count, sizeof *film->sums);
     if (!film->sums) {
         *film = (mcv_film){0};
-        return mcv_fail(error, MCV_FAILED,
-                        "a film of %u x %u pixels, %u channels and %u replicates needs %.3g GB of "
-                        "memory, which is not there",
-                        width, height, channels, replicates,
-                        8e-9 * width * height * channels * replicates);
+        return mcv_fail(
+            error, MCV_FAILED,
+            "a film of %u x %u pixels, %u channels and %u replicates needs %.3g GB of memory, "
+            "more than is free",
+            width, height, channels, replicates, 8e-9 * width * height * channels * replicates);
     }
     return MCV_OK;
 }
@@ -93,9 +94,9 @@ mcv_result mcv_film_merge(mcv_film *a, const mcv_film *b, mcv_error *error) {
     if (a->samples == 0 && b->splats && !a->splats)
         MCV_TRY(mcv_film_take_splats(a, b->splat_value, error));
     if (!a->splats != !b->splats || (a->splats && a->splat_value != b->splat_value))
-        return mcv_fail(error, MCV_FAILED,
-                        "films of which one has light paths and the other has none, or others, "
-                        "cannot be merged");
+        return mcv_fail(
+            error, MCV_FAILED,
+            "films with different light paths cannot be merged: both must have the same");
     for (size_t i = 0; a->splats && i < count; ++i) a->splats[i] += b->splats[i];
     mcv_film_add(a, b->splats ? b->camera_sums : b->sums, b->samples);
     return MCV_OK;
@@ -109,7 +110,8 @@ mcv_result mcv_film_take_splats(mcv_film *film, double value, mcv_error *error) 
     if (film->camera_sums && film->splats) return MCV_OK;
     return mcv_fail(
         error, MCV_FAILED,
-        "a film of %u x %u pixels needs %.3g GB of memory more for light paths, which is not there",
+        "a film of %u x %u pixels needs %.3g GB of memory more for light paths, more than is "
+        "free",
         film->width, film->height, 16e-9 * (double)count);
 }
 
@@ -128,18 +130,19 @@ mcv_result mcv_image_new(mcv_image *image, uint32_t width, uint32_t height, uint
     if (width == 0 || height == 0 || channels == 0) {
         return mcv_fail(
             error, MCV_USAGE,
-            "an image of %u x %u pixels and %u channels cannot be: each must be at least 1", width,
-            height, channels);
+            "an image of %u x %u pixels and %u channels is not possible: each must be at least 1",
+            width, height, channels);
     }
     *image = (mcv_image){.width = width, .height = height, .channels = channels};
     const size_t count = element_count(width, height, channels, 1, sizeof *image->pixels);
     if (count > 0) image->pixels = calloc(count, sizeof *image->pixels);
     if (!image->pixels) {
         *image = (mcv_image){0};
-        return mcv_fail(error, MCV_FAILED,
-                        "an image of %u x %u pixels and %u channels needs %.3g GB of memory, which "
-                        "is not there",
-                        width, height, channels, 4e-9 * width * height * channels);
+        return mcv_fail(
+            error, MCV_FAILED,
+            "an image of %u x %u pixels and %u channels needs %.3g GB of memory, more than is "
+            "free",
+            width, height, channels, 4e-9 * width * height * channels);
     }
     return MCV_OK;
 }
@@ -175,7 +178,7 @@ mcv_result mcv_film_develop(const mcv_film *film, mcv_image *mean, mcv_image *er
     *mean = (mcv_image){0};
     if (error_image) *error_image = (mcv_image){0};
     if (film->samples == 0)
-        return mcv_fail(error, MCV_FAILED, "the film holds no samples: nothing was rendered");
+        return mcv_fail(error, MCV_FAILED, "the film has no samples: nothing was rendered");
     MCV_TRY(mcv_image_new(mean, film->width, film->height, film->channels, error));
     if (error_image &&
         mcv_image_new(error_image, film->width, film->height, film->channels, error) != MCV_OK) {

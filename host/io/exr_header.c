@@ -94,24 +94,24 @@ static mcv_result read_channels(const reader *r, const raw_attribute *attribute,
     list.at = 0;
     for (;;) {
         const char *name = take_name(&list);
-        if (!name) return damaged(r, "a channel name does not end");
+        if (!name) return damaged(r, "a channel name has no end");
         if (name[0] == '\0') break;
         const uint8_t *b = take(&list, 16);
-        if (!b) return damaged(r, "the channel list is cut off");
+        if (!b) return damaged(r, "the channel list is truncated");
         if (part->channel_count == MCV_EXR_MAX_CHANNELS) return refused(r, "more than 64 channels");
         if (i32(b) < PIXEL_UINT || i32(b) > PIXEL_FLOAT) return damaged(r, "unknown pixel type");
         if (i32(b + 8) != 1 || i32(b + 12) != 1)
-            return refused(r, "subsampled channels are not read");
+            return refused(r, "it has subsampled channels, which are not supported");
         for (uint32_t i = 0; i < part->channel_count; ++i) {
             if (strcmp(part->channels[i].name, name) == 0)
-                return damaged(r, "two channels of one name");
+                return damaged(r, "two channels have one name");
         }
         mcv_exr_channel *channel = &part->channels[part->channel_count++];
         snprintf(channel->name, sizeof channel->name, "%s", name);
         channel->bytes = i32(b) == PIXEL_HALF ? 2 : 4;
     }
     if (part->channel_count == 0) return damaged(r, "no channels");
-    if (list.at != list.size) return damaged(r, "bytes after the channel list");
+    if (list.at != list.size) return damaged(r, "there are bytes after the channel list");
     return MCV_OK;
 }
 
@@ -146,18 +146,19 @@ static bool has_type(const raw_attribute *attribute, const char *type, uint32_t 
 static mcv_result read_essential(const reader *r, const raw_attribute *a, mcv_exr_part_header *part,
                                  uint32_t *seen) {
     if (is(a, "channels")) {
-        if (strcmp(a->type, "chlist") != 0) return damaged(r, "`channels` is no channel list");
+        if (strcmp(a->type, "chlist") != 0) return damaged(r, "`channels` must be a channel list");
         *seen |= SEEN_CHANNELS;
         return read_channels(r, a, part);
     }
     if (is(a, "dataWindow")) {
-        if (!has_type(a, "box2i", 16)) return damaged(r, "`dataWindow` is no box of integers");
+        if (!has_type(a, "box2i", 16)) return damaged(r, "`dataWindow` must be a box of integers");
         *seen |= SEEN_WINDOW;
         return read_window(r, a, part);
     }
     if (is(a, "compression")) {
-        if (!has_type(a, "compression", 1)) return damaged(r, "`compression` is no compression");
-        if (a->value[0] > COMPRESSION_ZIP) return refused(r, "its compression is not read");
+        if (!has_type(a, "compression", 1))
+            return damaged(r, "`compression` must be a known compression");
+        if (a->value[0] > COMPRESSION_ZIP) return refused(r, "its compression is not supported");
         part->compression = a->value[0];
         *seen |= SEEN_COMPRESSION;
     } else if (is(a, "type")) {
@@ -166,11 +167,11 @@ static mcv_result read_essential(const reader *r, const raw_attribute *a, mcv_ex
         *seen |= SEEN_TYPE;
     } else if (is(a, "name")) {
         if (strcmp(a->type, "string") != 0 || a->size >= MCV_EXR_NAME)
-            return damaged(r, "`name` is no short text");
+            return damaged(r, "`name` must be a string of limited length");
         memcpy(part->name, a->value, a->size);
         *seen |= SEEN_NAME;
     } else if (is(a, "chunkCount")) {
-        if (!has_type(a, "int", 4)) return damaged(r, "`chunkCount` is no integer");
+        if (!has_type(a, "int", 4)) return damaged(r, "`chunkCount` must be an integer");
         part->chunk_count = u32(a->value);
         *seen |= SEEN_CHUNKS;
     } else if (is(a, "tiles")) {
@@ -245,17 +246,17 @@ static mcv_result read_part(reader *r, mcv_exr_header *header) {
     for (;; ++count) {
         raw_attribute a;
         a.name = take_name(r);
-        if (!a.name) return damaged(r, "an attribute's name does not end");
+        if (!a.name) return damaged(r, "an attribute's name has no end");
         if (a.name[0] == '\0') break;
         if (count == MAX_ATTRIBUTES) return damaged(r, "more than 1024 attributes");
         a.type = take_name(r);
         const uint8_t *size = a.type ? take(r, 4) : NULL;
-        if (!size) return damaged(r, "an attribute is cut off");
+        if (!size) return damaged(r, "an attribute is truncated");
         a.size = u32(size);
         a.value = take(r, a.size);
         if (!a.value) return damaged(r, "an attribute is longer than the file");
         for (uint32_t i = 0; i < count; ++i) {
-            if (strcmp(names[i], a.name) == 0) return damaged(r, "an attribute stands twice");
+            if (strcmp(names[i], a.name) == 0) return damaged(r, "an attribute occurs twice");
         }
         names[count] = a.name;
         MCV_TRY(read_essential(r, &a, part, &seen));
@@ -316,7 +317,7 @@ static mcv_result check_chunk(reader *r, const mcv_exr_part_header *part, uint32
     const uint32_t lines = mcv_exr_lines_per_chunk(part->compression);
     const uint32_t first = chunk * lines;
     if (i32(b) != part->y_min + (int32_t)first)
-        return damaged(r, "a chunk holds other lines than its place says");
+        return damaged(r, "the lines of a chunk do not match its place");
     const uint64_t unpacked =
         line_bytes * (part->height - first < lines ? part->height - first : lines);
     const uint64_t packed = u32(b + 4);

@@ -155,15 +155,15 @@ static mcv_result check_arguments(const char *path, const mcv_exr_part *parts, u
         for (uint32_t q = 0; q < p; ++q) {
             if (strcmp(parts[p].name, parts[q].name) == 0) {
                 return mcv_fail(error, MCV_FAILED,
-                                "%s: two parts are named %s; each needs its own name", path,
+                                "%s: two parts are named %s; each must have its own name", path,
                                 parts[p].name);
             }
         }
         if (!parts[p].channel_names && image->channels != 1 && image->channels != 3) {
             return mcv_fail(
                 error, MCV_FAILED,
-                "%s: part %s has %u channels without names; only 1 and 3 have some by themselves",
-                path, parts[p].name, image->channels);
+                "%s: part %s has %u channels without names; only 1 and 3 have default names", path,
+                parts[p].name, image->channels);
         }
     }
     for (uint32_t a = 0; a < attribute_count; ++a) {

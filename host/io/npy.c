@@ -90,7 +90,7 @@ static mcv_result decode(const char *path, const uint8_t *bytes, size_t size, mc
                          mcv_error *error) {
     const size_t start = size > PREAMBLE + 2 ? (bytes[6] == 1 ? PREAMBLE : PREAMBLE + 2) : 0;
     if (!start || memcmp(bytes, magic, MAGIC) != 0)
-        return mcv_fail(error, MCV_BAD_INPUT, "%s: no NPY file", path);
+        return mcv_fail(error, MCV_BAD_INPUT, "%s: not an NPY file", path);
     const size_t length = (size_t)(bytes[8] | bytes[9] << 8);
     char header[1024] = "";
     if (length < sizeof header && length < size - start) memcpy(header, bytes + start, length);

@@ -274,7 +274,7 @@ static void put_page(FILE *out, const mcv_plots *page, size_t *order) {
     mcv_html_text(out, page->title);
     fputs("</h1>\n<p>", out);
     mcv_html_text(out, page->text);
-    fputs(" Bars are one standard uncertainty to each side.</p>\n", out);
+    fputs(" Error bars are one standard uncertainty to each side.</p>\n", out);
     for (size_t metric = 0; metric < page->metric_count; ++metric) {
         fputs("<h2>", out);
         mcv_html_text(out, page->metrics[metric]);

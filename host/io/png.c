@@ -155,9 +155,10 @@ mcv_result mcv_png_write_preview(const char *path, const mcv_image *image, const
     const size_t values = pixels * image->channels;
     uint8_t *bytes = values > 0 ? malloc(values) : NULL;
     if (!bytes)
-        return mcv_fail(error, MCV_FAILED,
-                        "%s: a preview of %u x %u pixels: nothing to show, or no memory for it",
-                        path, image->width, image->height);
+        return mcv_fail(
+            error, MCV_FAILED,
+            "%s: a preview of %u x %u pixels: it is empty, or there is no memory for it", path,
+            image->width, image->height);
     uint64_t saturated = 0;
     for (size_t i = 0; i < pixels; ++i) {
         bool above = false;
@@ -182,17 +183,17 @@ mcv_result mcv_png_write_preview(const char *path, const mcv_image *image, const
 mcv_result mcv_png_write_values(const char *path, const mcv_image *image, int bits,
                                 mcv_error *error) {
     if (bits != 8 && bits != 16)
-        return mcv_fail(error, MCV_USAGE, "%s: a PNG of grey values has 8 or 16 bits, not %d", path,
-                        bits);
+        return mcv_fail(error, MCV_USAGE, "%s: a PNG of grey values must have 8 or 16 bits, not %d",
+                        path, bits);
     if (image->channels != 1 && image->channels != 3) {
         return mcv_fail(error, MCV_FAILED,
-                        "%s: an image of %u channels is no PNG; 1 or 3 can be written", path,
+                        "%s: an image of %u channels cannot be a PNG; 1 or 3 can be written", path,
                         image->channels);
     }
     uint8_t *bytes = mcv_values_pack(image, bits);
     if (!bytes) {
         return mcv_fail(error, MCV_FAILED,
-                        "%s: %u x %u grey values: nothing to write, or no memory for it", path,
+                        "%s: %u x %u grey values: it is empty, or there is no memory for it", path,
                         image->width, image->height);
     }
     const mcv_result result = write_file(path, bytes, image, bits, NULL, error);

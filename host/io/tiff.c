@@ -164,7 +164,7 @@ mcv_result mcv_tiff_read_values(const char *path, mcv_image *image, mcv_error *e
     mcv_result result = mcv_file_load(path, &m.bytes, &m.size, error);
     TIFF *tiff = result == MCV_OK ? open_memory(&m, "rm") : NULL; /* m: not by mmap */
     if (result == MCV_OK && !tiff)
-        result = mcv_fail(error, MCV_BAD_INPUT, "%s: no TIFF file: %s", path, m.message);
+        result = mcv_fail(error, MCV_BAD_INPUT, "%s: not a TIFF file: %s", path, m.message);
     if (tiff) {
         result = decode(tiff, &m, path, image, error);
         TIFFClose(tiff);

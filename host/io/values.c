@@ -34,8 +34,8 @@ mcv_result mcv_values_write(const char *path, const mcv_image *image, int bits, 
                         path, bits);
     if (image->channels != 1 && image->channels != 3)
         return mcv_fail(error, MCV_FAILED,
-                        "%s: an image of %u channels cannot be written so; 1 or 3 can", path,
-                        image->channels);
+                        "%s: an image of %u channels cannot be written in this format; 1 or 3 can",
+                        path, image->channels);
     return f->write(path, image, bits, error);
 }
 

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Glasses by two numbers, n_d and V_d: what a lens file's glass is where the renderer's catalogue
- * does not have its dispersion formula. */
+/* Glasses by n_d and V_d, for lens files whose glass has no dispersion formula in the renderer's
+ * catalogue. */
 #ifndef MCVISI_HOST_LENS_GLASS_CODES_H
 #define MCVISI_HOST_LENS_GLASS_CODES_H
 

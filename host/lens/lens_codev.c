@@ -77,17 +77,18 @@ static mcv_result read_private_glass(mcv_codev *c, char **words, int n, mcv_erro
     if (mcv_codev_means(words[0], "PWL"))
         return read_list(c, &values, c->private_wavelengths, &c->private_count, error);
     if (l->glass_count == MCV_LENS_GLASSES || n - 1 != c->private_count || n < 2) {
-        mcv_lens_warn(l,
-                      "%s: line %d: the private glass %s is not known: it must have an index for "
-                      "each wavelength of PWL",
-                      l->path, l->line, words[0]);
+        mcv_lens_warn(
+            l,
+            "%s: line %d: the private glass %s is incomplete: it must have an index for each "
+            "wavelength of PWL",
+            l->path, l->line, words[0]);
         return MCV_OK;
     }
     MCV_TRY(read_list(c, &values, indices, &count, error));
     if (!mcv_lens_fit_glass(l->glasses + l->glass_count, c->private_wavelengths, indices, count))
         return mcv_codev_fail(
-            c, -1, error, "its indices must be 1 to 10, of wavelengths above 0: the private glass ",
-            words[0]);
+            c, -1, error,
+            "its indices must be 1 to 10, its wavelengths above 0: the private glass ", words[0]);
     mcv_lens_copy_name(l->glasses[l->glass_count++].name, words[0]);
     return MCV_OK;
 }
@@ -120,15 +121,14 @@ static mcv_result read_surface_statement(mcv_codev *c, const char *key,
     double value = 0;
     if (mcv_codev_means_one_of(key, refused))
         return mcv_codev_fail(c, s->first, error,
-                              "only spheres, conics and even aspheres are known, not ", key);
+                              "only spheres, conics and even aspheres are supported, not ", key);
     if (mcv_codev_means_one_of(key, decentred) || mcv_codev_means(key, "CUF")) {
         if (s->count > 0) MCV_TRY(mcv_lens_number(l, s->words[0], &value, error));
-        return value == 0
-                   ? MCV_OK
-                   : mcv_codev_fail(
-                         c, s->first, error,
-                         "tilts, decentres and CUF are not known: only centred lenses are, not ",
-                         key);
+        return value == 0 ? MCV_OK
+                          : mcv_codev_fail(c, s->first, error,
+                                           "tilts, decentres and CUF are not supported: only "
+                                           "centred lenses are, not ",
+                                           key);
     }
     if (mcv_codev_means(key, "STO")) l->stop = s->first;
     if (mcv_codev_means(key, "RDY"))
@@ -147,7 +147,7 @@ static mcv_result read_surface_statement(mcv_codev *c, const char *key,
     }
     if (strlen(key) == 1) return mcv_codev_read_coefficient(c, key, s, error);
     if (mcv_codev_means_one_of(key, " REX REY ELX ELY ADX ADY ARO CIG REG ELG "))
-        mcv_lens_warn(l, "%s: line %d: only round, centred apertures are known: %s is left out",
+        mcv_lens_warn(l, "%s: line %d: only round, centred apertures are supported: %s is ignored",
                       l->path, l->line, key);
     return MCV_OK;
 }
@@ -164,7 +164,7 @@ static mcv_result read_statement(mcv_codev *c, char **words, int n, mcv_error *e
                                                                        : MCV_LENS_SHAPE_RADIUS;
     if (mcv_codev_means(key, "GO")) c->go = true;
     if (mcv_codev_means(key, "ZOO") && n == 2)
-        mcv_lens_warn(l, "%s: line %d: of its %s zoom positions the first is read", l->path,
+        mcv_lens_warn(l, "%s: line %d: only the first of its %s zoom positions is read", l->path,
                       l->line, words[1]);
     if (mcv_lens_is_one_of(key, " S SO SI ") ||
         (toupper((unsigned char)*key) == 'S' && isdigit((unsigned char)key[1])))
@@ -193,8 +193,7 @@ static mcv_result read_statement(mcv_codev *c, char **words, int n, mcv_error *e
         note_unknown(c, key);
         return MCV_OK;
     }
-    if (l->count == 0)
-        return mcv_codev_fail(c, -1, error, "stands before the first surface, S: ", key);
+    if (l->count == 0) return mcv_codev_fail(c, -1, error, "precedes the first surface, S: ", key);
     return read_surface_statement(c, key, &s, error);
 }
 
@@ -207,10 +206,11 @@ mcv_result mcv_lens_codev_read(mcv_lens *l, mcv_lens_shape shape, char *text, mc
     }
     if (l->count == 0)
         return mcv_lens_fail(l, 0, -1, error,
-                             "holds no surface (S): it is no lens, or a macro of CODE V");
+                             "has no surface (S): it is not a lens, or it is a macro of CODE V");
     if (!c.image) {
         if (!c.go)
-            mcv_lens_warn(l, "%s: line %d: ends without SI and GO: is it whole?", l->path, l->line);
+            mcv_lens_warn(l, "%s: line %d: ends without SI and GO: it may be truncated", l->path,
+                          l->line);
         MCV_TRY(
             mcv_lens_add_surface(l, error)); /* a lens of CODE V has an image from the beginning */
     }
@@ -223,7 +223,7 @@ mcv_result mcv_lens_codev_read(mcv_lens *l, mcv_lens_shape shape, char *text, mc
         l->wavelength = 1e-9 * c.wavelengths[reference];
     }
     if (*c.unknown)
-        mcv_lens_warn(l, "%s: line %d: statements that are not known are left out:%s", l->path,
-                      c.first_unknown, c.unknown);
+        mcv_lens_warn(l, "%s: line %d: unknown statements are ignored:%s", l->path, c.first_unknown,
+                      c.unknown);
     return MCV_OK;
 }

@@ -19,7 +19,7 @@ mcv_result mcv_codev_set_glass(mcv_codev *c, int surface, const char *name, mcv_
     if (mcv_codev_means(name, "REFL"))
         return mcv_codev_fail(
             c, surface, error,
-            "mirrors are not known in lens files: give them as a \"surface\" in the scene", "");
+            "mirrors in lens files are not supported: give them as a \"surface\" in the scene", "");
     *glass = (mcv_lens_glass){0};
     if (!mcv_lens_is(name, "AIR") && !mcv_lens_is(name, "REFR"))
         mcv_lens_copy_name(glass->name, name);
@@ -40,8 +40,8 @@ mcv_result mcv_codev_read_surface(mcv_codev *c, char **words, int n, mcv_error *
     }
     if (!numbered && kind != 'O') number = l->count - (kind == 'I' && c->image);
     if (number > l->count)
-        return mcv_codev_fail(c, -1, error,
-                              "surfaces must follow each other, which leaves one out: ", words[0]);
+        return mcv_codev_fail(
+            c, -1, error, "surface numbers must be consecutive, but one is missing: ", words[0]);
     if (number == l->count) {
         if (c->image)
             return mcv_codev_fail(c, -1, error,
@@ -103,7 +103,7 @@ mcv_result mcv_codev_read_aperture(mcv_codev *c, const mcv_codev_statement *s, m
     for (; at < s->count && isalpha((unsigned char)s->words[at][0]); ++at) {
         if (mcv_codev_means(s->words[at], "OBS") || mcv_codev_means(s->words[at], "HOL"))
             return mcv_codev_fail(c, s->first, error,
-                                  "only the radius of a round aperture is known, not CIR ",
+                                  "only the radius of a round aperture is supported, not CIR ",
                                   s->words[at]);
         edge = edge || mcv_codev_means(s->words[at], "EDG");
     }

@@ -19,16 +19,15 @@ static void read_as(mcv_lens *l, mcv_lens_shape shape) {
     }
 }
 
-/* How far two lengths are from each other, as a fraction of the second; INFINITY where one is
- * missing. */
+/* The relative difference of two lengths; INFINITY if one is missing. */
 static double difference(double a, double b) {
     return isnan(a) || isnan(b) || b == 0 ? INFINITY : fabs(a / b - 1);
 }
 
 /*
- * Where the file does not say: the reading that focuses within a tenth of the stated image
- * distance, or has the stated focal length; where both or none do, the one whose surfaces are not
- * smaller than the bundle.
+ * Chooses the reading if the file does not state it: the one that focuses within a tenth of the
+ * stated image distance, or has the stated focal length. If both or none do, the one whose surfaces
+ * are wide enough for the bundle.
  */
 static mcv_result choose_shape(mcv_lens *l, mcv_error *error) {
     bool unsure = false, near[2], possible[2];
@@ -49,22 +48,22 @@ static mcv_result choose_shape(mcv_lens *l, mcv_error *error) {
     free(copy);
     const bool *says = near[0] != near[1] ? near : possible;
     if (says[0] == says[1])
-        return mcv_lens_fail(l, 0, -1, error,
-                             "does not say by RDM whether its surfaces are given by radius or "
-                             "curvature (the image would be at %.4g or %.4g): "
-                             "give --curvature radius or --curvature curvature",
-                             distance[0], distance[1]);
+        return mcv_lens_fail(
+            l, 0, -1, error,
+            "does not state by RDM whether its surfaces are given by radius or curvature (the "
+            "image would be at %.4g or %.4g): give --curvature radius or --curvature curvature",
+            distance[0], distance[1]);
     read_as(l, says[0] ? MCV_LENS_SHAPE_RADIUS : MCV_LENS_SHAPE_CURVATURE);
-    mcv_lens_warn(l, "%s: its surfaces are read as %s, though no RDM says so: %s", l->path,
+    mcv_lens_warn(l, "%s: its surfaces are read as %s, although it has no RDM: %s", l->path,
                   says[0] ? "radii" : "curvatures",
-                  says == near ? "only so they focus where the file has its image"
-                               : "only so they are wide enough for the bundle");
+                  says == near ? "only in this reading the image lies where the file has it"
+                               : "only in this reading they are wide enough for the bundle");
     return MCV_OK;
 }
 
 /* --- semi-diameters that fit the bodies --- */
 
-/* Where a surface is upright, or a little before. */
+/* The radius at which a surface becomes vertical, times `share`. */
 static double largest_radius(const mcv_lens_surface *s, double share) {
     const double square = (1 + s->conic) * s->curvature * s->curvature;
     return square > 0 ? share / sqrt(square) : INFINITY;
@@ -89,7 +88,7 @@ static double edge_of(const mcv_lens_surface *front) {
     return fmax(front->semi_diameter, front[1].semi_diameter);
 }
 
-/* Makes the body behind a surface as narrow as `edge`. */
+/* Reduces the body behind a surface to the radius `edge`. */
 static void cut_body(mcv_lens *l, int i, double edge, const char *why) {
     mcv_lens_surface *front = l->surfaces + i;
     if (edge >= edge_of(front)) return;
@@ -100,8 +99,8 @@ static void cut_body(mcv_lens *l, int i, double edge, const char *why) {
     front[1].semi_diameter = fmin(front[1].semi_diameter, edge);
 }
 
-/* Both faces of a body reach its edge, and bodies do not overlap, whatever the file gives as
- * semi-diameters. */
+/* Makes both faces of a body reach its edge without overlaps between bodies, whatever
+ * semi-diameters the file gives. */
 static void cut_given(mcv_lens *l, int i) {
     const mcv_lens_surface *a = l->surfaces + i, *b = a + 1;
     if (*a->glass.name) {
@@ -117,8 +116,8 @@ static void cut_given(mcv_lens *l, int i) {
     }
 }
 
-/* Whatever lies between two surfaces, glass or air, has a thickness up to their edges: an
- * unvignetted bundle may ask for more. */
+/* Keeps a thickness between two surfaces, glass or air, up to their edges: an unvignetted bundle
+ * may need more. */
 static void fit_semi_diameters(mcv_lens *l, int first, int end, const bool *given) {
     for (int pass = 0; pass < 4; ++pass)
         for (int i = first; i + 1 < end; ++i) {
@@ -139,7 +138,7 @@ static void fit_semi_diameters(mcv_lens *l, int first, int end, const bool *give
 
 /* --- the file as a whole --- */
 
-/* The surfaces that are written: from the first to the last of glass, and the stop. */
+/* The surfaces to write: from the first to the last one of glass, and the stop. */
 static mcv_result find_extent(const mcv_lens *l, int *first, int *end, mcv_error *error) {
     *first = -1;
     for (int i = 0; i < l->count; ++i) {
@@ -148,7 +147,7 @@ static mcv_result find_extent(const mcv_lens *l, int *first, int *end, mcv_error
         if (i == 0 || i + 1 == l->count)
             return mcv_lens_fail(l, s->line, i, error,
                                  i ? "its glass has no surface behind it: the file is truncated"
-                                   : "objects in glass are not known");
+                                   : "objects in glass are not supported");
         if (*first < 0) *first = i;
         *end = i + 2;
         if (!(isfinite(s->thickness) && s->thickness >= 0))
@@ -156,25 +155,26 @@ static mcv_result find_extent(const mcv_lens *l, int *first, int *end, mcv_error
                                  "the thickness of its glass must be 0 or more");
     }
     if (*first < 0)
-        return mcv_lens_fail(l, 0, -1, error, "holds no surface with a glass: it is no lens");
+        return mcv_lens_fail(l, 0, -1, error, "has no surface with a glass: it is not a lens");
     if (*end == l->count)
         return mcv_lens_fail(
             l, l->surfaces[*end - 2].line, *end - 2, error,
             "its glass reaches the image: the file is truncated, or a surface is missing");
     if (l->stop > 0 &&
         l->stop <
-            l->count - 1) { /* before the first glass or behind the last it belongs to the lens */
+            l->count -
+                1) { /* a stop before the first glass or behind the last one belongs to the lens */
         *first = l->stop < *first ? l->stop : *first;
         *end = l->stop < *end ? *end : l->stop + 1;
     }
     for (int i = *first; i < *end - 1; ++i)
         if (!isfinite(l->surfaces[i].thickness))
             return mcv_lens_fail(l, l->surfaces[i].line, i, error,
-                                 "the way to the next surface must be finite");
+                                 "the distance to the next surface must be finite");
     return MCV_OK;
 }
 
-/* The number in "f=100 mm" or "f/2" in the lens's name, as makers write it; 0 without one. */
+/* The number in "f=100 mm" or "f/2" in the lens's name, as makers write it; 0 if there is none. */
 static double number_in_name(const char *name, char sign, const char *unit) {
     for (const char *c = name; *c; ++c) {
         const char *at = c + 1;
@@ -214,7 +214,8 @@ static void fill_report(const mcv_lens *l, const mcv_lens_first_order *stated,
                                             : NAN;
 }
 
-/* Figures that the file states and that are not those of what is written, by more than 1 %. */
+/* Warns if figures that the file states differ by more than 1 % from those of the lens as
+ * written. */
 static void compare_report(mcv_lens *l) {
     const mcv_lens_report *r = l->report;
     const double tolerance = 0.01;
@@ -231,10 +232,10 @@ static void compare_report(mcv_lens *l) {
                       l->path, r->f_number, r->stated_f_number,
                       l->stop > 0 && !mcv_lens_bounds_glass(l, l->stop)
                           ? "its semi-diameters say so"
-                          : "it has no stop in air, so that the glass's edges limit the light");
+                          : "it has no stop in air, so the edges of the glass limit the light");
 }
 
-/* Whether a scene takes the numbers, in metres. */
+/* Checks that a scene accepts the numbers in metres. */
 static mcv_result check_numbers(const mcv_lens *l, int first, int end, mcv_error *error) {
     for (int i = first; i < end; ++i) {
         const mcv_lens_surface *s = l->surfaces + i;
@@ -247,9 +248,8 @@ static mcv_result check_numbers(const mcv_lens *l, int first, int end, mcv_error
         if (!finite)
             return mcv_lens_fail(l, s->line, i, error, "its numbers are too large for a scene");
         if (mcv_lens_bounds_glass(l, i) && !(s->semi_diameter > 0))
-            return mcv_lens_fail(
-                l, s->line, i, error,
-                "no width is left for it: on the axis already its lens overlaps the next one");
+            return mcv_lens_fail(l, s->line, i, error,
+                                 "its lens overlaps the next one already on the axis");
     }
     return MCV_OK;
 }
@@ -283,7 +283,7 @@ static mcv_result convert(mcv_lens *l, const mcv_lens_options *options, json_t *
     return *scene ? MCV_OK : mcv_fail(error, MCV_FAILED, "%s: no memory to convert it", l->path);
 }
 
-/* Files of the same programs that are no text. */
+/* Refuses binary files of the same programs. */
 static mcv_result refuse_format(const char *path, mcv_error *error) {
     static const char *const known[][2] = {
         {".zar", "is an archive of Zemax OpticStudio: extract it there (File, Load Archive), or "

@@ -218,15 +218,17 @@ mcv_result mcv_lens_find_semi_diameters(mcv_lens *l, int first, int end, const b
         if (s->semi_diameter > 0 || (i != l->stop && !on_glass)) continue;
         if (marginal == 0 && l->aperture_is == MCV_LENS_OBJECT_SLOPE && l->aperture > 0 &&
             axial.object_slope == 0)
-            return mcv_lens_fail(l, s->line, i, error,
-                                 "has no semi-diameter, and the object is at infinity, where the "
-                                 "object-side aperture (OBNA, NAO) says "
-                                 "nothing: give the object's distance (DISZ, SO) or another "
-                                 "aperture (ENPD, EPD, FNO)");
+            return mcv_lens_fail(
+                l, s->line, i, error,
+                "has no semi-diameter, and the object is at infinity, where the object-side "
+                "aperture "
+                "(OBNA, NAO) has no meaning: give the object's distance (DISZ, SO) or another "
+                "aperture (ENPD, EPD, FNO)");
         if (marginal == 0)
             return mcv_lens_fail(l, s->line, i, error,
                                  "has no semi-diameter (DIAM, CIR), and no aperture (ENPD, EPD, "
-                                 "FNO, NAO …) tells how wide the bundle is");
+                                 "FNO, NAO …) gives the "
+                                 "width of the bundle");
         const double height = marginal * fabs(axial.height[i]);
         s->semi_diameter =
             i == l->stop && !on_glass ? height : 1.05 * (height + field * fabs(chief.height[i]));

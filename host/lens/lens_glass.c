@@ -108,17 +108,18 @@ static mcv_result find_glass(mcv_lens *l, int surface, const char *const *indice
              glass->name); /* SK16 is no longer made, N-SK16 has its n_d */
     if (find_by_name(glass, lead_free)) {
         if (!mcv_lens_is(glass->name, "BK7") && !mcv_lens_is(glass->name, "BK7_SCHOTT"))
-            mcv_lens_warn(l, "%s: line %d: the glass %s is no longer made: N-%s is taken", l->path,
-                          l->surfaces[surface].line, glass->name, glass->name);
+            mcv_lens_warn(l, "%s: line %d: the glass %s is no longer made: N-%s replaces it",
+                          l->path, l->surfaces[surface].line, glass->name, glass->name);
         return MCV_OK;
     }
     if (glass->stated_index > 0) {
         glass->index = glass->stated_index;
         glass->abbe = glass->stated_abbe;
-        mcv_lens_warn(l,
-                      "%s: line %d: unknown glass %s: it gets the index %.6g that stands beside "
-                      "it; --index %s=N gives another",
-                      l->path, l->surfaces[surface].line, glass->name, glass->index, glass->name);
+        mcv_lens_warn(
+            l,
+            "%s: line %d: unknown glass %s: it gets the index %.6g of the same line; --index "
+            "%s=N gives another",
+            l->path, l->surfaces[surface].line, glass->name, glass->index, glass->name);
         return MCV_OK;
     }
     return mcv_lens_fail(l, l->surfaces[surface].line, surface, error,

@@ -38,7 +38,7 @@ static mcv_result read_type(zemax *z, const char *type, mcv_error *error) {
     z->asphere = mcv_lens_is(type, "EVENASPH");
     z->coordinate_break = mcv_lens_is(type, "COORDBRK");
     if (z->asphere || z->coordinate_break || mcv_lens_is(type, "STANDARD")) return MCV_OK;
-    return fail_here(z->l, error, "only the types STANDARD and EVENASPH are known, not ", type);
+    return fail_here(z->l, error, "only the types STANDARD and EVENASPH are supported, not ", type);
 }
 
 static mcv_result read_glass(mcv_lens *l, char **words, int n, mcv_error *error) {
@@ -46,7 +46,7 @@ static mcv_result read_glass(mcv_lens *l, char **words, int n, mcv_error *error)
     if (mcv_lens_is(words[1], "MIRROR"))
         return fail_here(
             l, error,
-            "mirrors are not known in lens files: give them as a \"surface\" in the scene", "");
+            "mirrors in lens files are not supported: give them as a \"surface\" in the scene", "");
     mcv_lens_copy_name(glass->name, words[1]);
     if (n < 5) return MCV_OK;
     /* GLAS name solve pickup n_d V_d: of a model glass (solve 1) both count; else they may be what
@@ -76,9 +76,9 @@ static mcv_result read_parameter(zemax *z, char **words, int n, mcv_error *error
     const long term = strtol(words[1], NULL, 10);
     if (value == 0 || (z->coordinate_break && term > 5)) return MCV_OK;
     if (z->coordinate_break)
-        return fail_here(z->l, error,
-                         "tilts and decentres (COORDBRK) are not known: only centred lenses are",
-                         "");
+        return fail_here(
+            z->l, error,
+            "tilts and decentres (COORDBRK) are not supported: only centred lenses are", "");
     if (term < 2 || term > MCV_ASPHERE_TERMS + 1)
         return fail_here(z->l, error, "aspheres have terms from r^4 to r^18, not PARM ", words[1]);
     s->asphere[term - 2] = value;
@@ -108,14 +108,15 @@ static mcv_result read_surface(zemax *z, char **words, int n, mcv_error *error) 
         return MCV_OK;
     }
     if (mcv_lens_is(key, "OBSC"))
-        return fail_here(l, error,
-                         "obscurations (OBSC) are not known: give them as a \"disc\" in the scene",
-                         "");
+        return fail_here(
+            l, error, "obscurations (OBSC) are not supported: give them as a \"disc\" in the scene",
+            "");
     for (int i = 3; mcv_lens_is(key, "SCBD") && i < n; ++i) {
         MCV_TRY(mcv_lens_number(l, words[i], &value, error));
         if (value != 0)
             return fail_here(
-                l, error, "tilts and decentres (SCBD) are not known: only centred lenses are", "");
+                l, error, "tilts and decentres (SCBD) are not supported: only centred lenses are",
+                "");
     }
     return MCV_OK;
 }
@@ -153,7 +154,7 @@ static mcv_result read_header(zemax *z, char **words, int n, mcv_error *error) {
     if (n < 2) return MCV_OK;
     if (mcv_lens_is(key, "UNIT")) return set_unit(l, first, error);
     if (mcv_lens_is(key, "MODE") && !mcv_lens_is(first, "SEQ"))
-        return fail_here(l, error, "only sequential lenses are known (MODE SEQ), not ", first);
+        return fail_here(l, error, "only sequential lenses (MODE SEQ) are supported, not ", first);
     if (mcv_lens_is(key, "ENPD")) return set_aperture(l, MCV_LENS_PUPIL_DIAMETER, first, error);
     if (mcv_lens_is(key, "FNUM"))
         return set_aperture(
@@ -214,8 +215,7 @@ mcv_result mcv_lens_zemax_read(mcv_lens *l, char *text, mcv_error *error) {
         if (mcv_lens_is_one_of(words[0], " BLNK TOL MNUM MOFF "))
             in_surface = false; /* behind the last surface */
         if (mcv_lens_is(words[0], "MNUM") && n > 1 && strtol(words[1], NULL, 10) > 1)
-            mcv_lens_warn(l,
-                          "%s: line %d: of its %s configurations the one that is current is read",
+            mcv_lens_warn(l, "%s: line %d: only the current one of its %s configurations is read",
                           l->path, l->line, words[1]);
         if (mcv_lens_is(words[0], "SURF")) {
             MCV_TRY(begin_surface(&z, error));
@@ -227,7 +227,7 @@ mcv_result mcv_lens_zemax_read(mcv_lens *l, char *text, mcv_error *error) {
     }
     if (l->count == 0)
         return mcv_lens_fail(l, 0, -1, error,
-                             "holds no SURF: it is no lens file, or a truncated one");
+                             "has no SURF: it is not a lens file, or it is truncated");
     const mcv_lens_surface *last = l->surfaces + l->count - 1;
     if (*last->glass.name || last->thickness != 0 ||
         (!z.has_diameter && z.with_diameter == l->count - 1 && l->count > 1))

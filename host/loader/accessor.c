@@ -5,8 +5,8 @@
 
 #include <stdlib.h>
 
-/* An accessor without a bufferView has no bytes that bound its count; those that files have are
- * small. */
+/* The largest count of an accessor without a bufferView, which no bytes bound. Real files have
+ * small counts there. */
 static const uint64_t unbacked_limit = 1 << 24;
 
 static uint64_t component_size(uint32_t type) {
@@ -37,8 +37,8 @@ static uint64_t element_size(const char *type, uint32_t component_type, uint32_t
     return 0;
 }
 
-/* `count` elements of `size` bytes, whose components have `component` bytes, in the bufferView that
- * `object` names. */
+/* Checks `count` elements of `size` bytes, with components of `component` bytes, in the bufferView
+ * that `object` names. */
 static mcv_result check_span(const json_t *root, const json_t *object, uint64_t count,
                              uint64_t size, uint64_t component, mcv_buffer_span *span,
                              const mcv_json_path *place, mcv_error *error) {
@@ -51,7 +51,7 @@ static mcv_result check_span(const json_t *root, const json_t *object, uint64_t 
     MCV_TRY(mcv_json_uint(object, "byteOffset", 0, 1ull << 53, &offset, place, error));
     if (span->view == MCV_NONE)
         return json_object_get(object, "byteOffset")
-                   ? mcv_fail_at(&here, error, "needs a bufferView to count from")
+                   ? mcv_fail_at(&here, error, "needs a bufferView, from which it counts")
                    : MCV_OK;
     const json_t *view = json_array_get(views, span->view);
     MCV_TRY(mcv_json_uint(view, "byteOffset", 0, 1ull << 53, &view_offset, place, error));
@@ -139,7 +139,7 @@ mcv_result mcv_accessor_check(const json_t *root, const json_t *object, mcv_acce
     if (accessor->normalized && type >= MCV_GLTF_UNSIGNED_INT)
         return mcv_fail_at(place, error, "normalized is for integers of 8 and 16 bits only");
     const uint64_t size = element_size(shape, accessor->component_type, &accessor->components);
-    if (accessor->components == 0) return MCV_OK; /* what uses it will say that it cannot */
+    if (accessor->components == 0) return MCV_OK; /* whatever uses the accessor reports the type */
     MCV_TRY(check_span(root, object, accessor->count, size,
                        component_size(accessor->component_type), &accessor->elements, place,
                        error));
@@ -190,7 +190,7 @@ static double component(const uint8_t *p, uint32_t type) {
     }
 }
 
-/* Normalized integers: the largest is 1, the most negative two are -1. */
+/* Normalized integers: the largest is 1; the two most negative values are both -1. */
 static float scaled(double value, const mcv_accessor *accessor) {
     static const double largest[] = {127, 255, 32767, 65535};
     if (!accessor->normalized) return (float)value;
@@ -219,7 +219,7 @@ static mcv_result check_all_data(const mcv_gltf *gltf, const mcv_accessor *acces
     return check_data(gltf, &accessor->sparse_values, place, error);
 }
 
-/* The element that the k-th sparse value replaces; they must rise. */
+/* The index of the element that the k-th sparse value replaces; indices must increase. */
 static mcv_result sparse_target(const mcv_gltf *gltf, const mcv_accessor *accessor, uint64_t k,
                                 uint64_t *target, const mcv_json_path *place, mcv_error *error) {
     const uint64_t index =

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* glTF accessors: what they describe, checked against their bufferViews, and their elements. */
+/* glTF accessors: their descriptions, checked against their bufferViews, and their elements. */
 #ifndef MCVISI_HOST_LOADER_ACCESSOR_H
 #define MCVISI_HOST_LOADER_ACCESSOR_H
 
@@ -17,9 +17,10 @@ enum {
 
 /* Elements in a buffer. */
 typedef struct mcv_buffer_span {
-    uint32_t view, buffer;        /* view: MCV_NONE where there is none, then all elements are 0 */
-    uint64_t offset, stride, end; /* bytes from the buffer's begin; end: behind the last element */
-    bool has_stride;              /* byteStride is written out */
+    uint32_t view, buffer; /* view: MCV_NONE if there is none; all elements are then 0 */
+    uint64_t offset, stride,
+        end;         /* bytes from the start of the buffer; end: behind the last element */
+    bool has_stride; /* byteStride is given */
 } mcv_buffer_span;
 
 typedef struct mcv_accessor {
@@ -33,7 +34,7 @@ typedef struct mcv_accessor {
     mcv_buffer_span sparse_indices, sparse_values;
 } mcv_accessor;
 
-/* Reads the member `key` of `object` as the index of an accessor. *given is false where it is
+/* Reads the member `key` of `object` as the index of an accessor. *given is false if it is
  * absent. */
 mcv_result mcv_accessor_get(const json_t *root, const json_t *object, const char *key, bool *given,
                             mcv_accessor *accessor, const mcv_json_path *place, mcv_error *error);

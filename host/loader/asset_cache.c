@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Assets as they were parsed, for the next load of the same scene. */
+/* Parsed assets, kept for the next load of the same scene. */
 #include "loader/loader.h"
 
 #include <errno.h>

@@ -24,7 +24,7 @@ static mcv_result warn_unused(mcv_loader *loader, mcv_error *error) {
     return MCV_OK;
 }
 
-/* Directions of float32 are known to 6e-8. */
+/* The resolution of float32 directions is 6e-8. */
 static const double least_cone = 1e-7;
 
 static mcv_result warn_of_needles(mcv_scene *scene, mcv_error *error) {
@@ -33,9 +33,10 @@ static mcv_result warn_of_needles(mcv_scene *scene, mcv_error *error) {
         if (half_angle < least_cone)
             MCV_TRY(mcv_scene_warn(
                 scene, error,
-                "emitter \"%s\": a half-angle of %.3g rad is less than directions are known to (%g "
-                "rad), a sensor that "
-                "looks into it may see black: let it be wider, or make it a collimatedBeam",
+                "emitter \"%s\": a half-angle of %.3g rad is below the resolution of directions "
+                "(%g "
+                "rad): a sensor that looks into it may see black; make it wider, or use a "
+                "collimatedBeam",
                 scene->emitters[i].name, half_angle, least_cone));
     }
     return MCV_OK;
@@ -67,7 +68,7 @@ static mcv_result load_spectrum(mcv_loader *loader, mcv_error *error) {
             !is_length)
             return mcv_fail_at(
                 &here, error,
-                "must be a length as in \"587.6nm\", or three, for red, green and blue");
+                "must be a length such as \"587.6nm\", or three, for red, green and blue");
         if (!(*length >= MCV_LEAST_WAVELENGTH && *length <= MCV_LARGEST_WAVELENGTH))
             return mcv_fail_at(&here, error, "%g m must be from 100 nm to 100 um", *length);
     }
@@ -86,7 +87,7 @@ const char *mcv_conversion(const char *path) {
     return "convert other formats, for example by Blender";
 }
 
-/* Files that are parts, and formats that are not read, by their names. */
+/* Refuses parts and unsupported formats, by the ending of the name. */
 static mcv_result check_format(const char *path, const mcv_json_path *place, mcv_error *error) {
     static const char *const others[] = {".step", ".stp", ".iges", ".igs",   ".obj",
                                          ".ply",  ".3mf", ".fbx",  ".blend", ".dae"};

@@ -52,7 +52,7 @@ void mcv_document_free(mcv_document *document);
 mcv_result mcv_scene_load_document(const mcv_document *document, mcv_overrides overrides,
                                    mcv_asset_cache *cache, mcv_scene **scene, mcv_error *error);
 
-/* How a file of another format becomes one that is read, for sentences. */
+/* How to convert a file of another format, for error messages. */
 const char *mcv_conversion(const char *path);
 
 #endif

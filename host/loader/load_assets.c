@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* MCVISI_assets: other files that nodes place (mcvisi/asset.h). An STL file without a material of
- * the scene's is plain. */
+/* MCVISI_assets: other files, which nodes place (mcvisi/asset.h). An STL file without a given
+ * material has the default one. */
 #include "loader/loader.h"
 #include "loader/load_stl.h"
 
@@ -54,10 +54,11 @@ static mcv_result open_stl(mcv_loader *loader, mcv_loader *asset, const json_t *
         MCV_TRY(mcv_asset_cache_add(asset, size, place, error));
     }
     if (!json_object_get(object, "unit"))
-        return mcv_fail_at(&here, error,
-                           "is missing, and \"%s\" does not tell it: the part is %.4g x %.4g x "
-                           "%.4g of it, most are in \"mm\"",
-                           uri, size[0], size[1], size[2]);
+        return mcv_fail_at(
+            &here, error,
+            "is missing, and \"%s\" does not state it: the part is %.4g x %.4g x %.4g units "
+            "large, and most files use \"mm\"",
+            uri, size[0], size[1], size[2]);
     if (!isnan(crease_angle))
         MCV_TRY(
             mcv_mesh_make_normals(asset->scene->meshes + asset->solid, crease_angle, place, error));
@@ -102,9 +103,8 @@ static mcv_result open_asset(mcv_loader *loader, const json_t *object, size_t in
         return mcv_fail_at(&here, error, "\"%s\" must be a .gltf, .glb or .stl file: %s", uri,
                            mcv_conversion(uri));
     if (!stl && !isnan(params.creaseAngle))
-        return mcv_fail_at(
-            &crease, error,
-            "is for .stl files: \"%s\" has normals of its own, or is meant to be flat", uri);
+        return mcv_fail_at(&crease, error,
+                           "is for .stl files: \"%s\" has its own normals, or flat triangles", uri);
     for (size_t i = 0; stl && i < 2; ++i) {
         const mcv_json_path of = mcv_json_path_key(place, of_gltf[i]);
         if (json_object_get(object, of_gltf[i]))

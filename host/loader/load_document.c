@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A document: read, split, parse, override, validate, then open its buffers and images. */
+/* A document: reads, splits, parses, overrides and validates it, then opens its buffers and
+ * images. */
 #include "loader/loader.h"
 
 #include "loader/overrides.h"
@@ -8,7 +9,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Each word is mixed by multiplication and shift, the size before all. */
+/* The size first, then each word, mixed by multiplication and shift. */
 void mcv_load_count(mcv_loader *loader, const void *data, size_t size) {
     const unsigned char *bytes = data;
     uint64_t hash = loader->fingerprint ^ size;
@@ -29,8 +30,8 @@ mcv_result mcv_load_file(mcv_loader *loader, const char *path, mcv_bytes *bytes,
     return MCV_OK;
 }
 
-/* What tinygltf asks for: "buffers/3" or "images/5", by the names that describe_data() has given.
- */
+/* Answers requests of tinygltf: "buffers/3" or "images/5", the names that describe_data() has
+ * given. */
 static mcv_result read_external(void *user, const char *name, mcv_bytes *bytes, mcv_error *error) {
     mcv_loader *loader = user;
     const char *slash = strchr(name, '/');
@@ -44,7 +45,7 @@ static mcv_result read_external(void *user, const char *name, mcv_bytes *bytes, 
     const char *uri = json_string_value(json_object_get(object, "uri"));
     const size_t length = (size_t)json_number_value(json_object_get(object, "byteLength"));
     if (is_buffer && !uri && !mcv_buffer_is_chunk(loader->root, object, loader->binary)) {
-        bytes->data = calloc(1, 1); /* stands for no data: nothing that is read fits into it */
+        bytes->data = calloc(1, 1); /* no data; nothing that is read fits into it */
         bytes->size = 1;
         return bytes->data ? MCV_OK : mcv_fail_memory(&element, error);
     }
@@ -63,15 +64,15 @@ static mcv_result read_external(void *user, const char *name, mcv_bytes *bytes, 
     if (!is_buffer) return MCV_OK;
     if (bytes->size < length) {
         free(bytes->data);
-        return mcv_fail_at(&place, error, "\"%s\" has %zu bytes, but byteLength says %zu", uri,
+        return mcv_fail_at(&place, error, "\"%s\" has %zu bytes, but byteLength is %zu", uri,
                            bytes->size, length);
     }
-    bytes->size = length; /* tinygltf takes no more and no less */
+    bytes->size = length; /* tinygltf requires exactly this size */
     return MCV_OK;
 }
 
-/* A data: URI stays; anything else is asked for by read_external. A longer data: URI raises
- * byteLength, for the same reason. */
+/* A data: URI stays; everything else is read by read_external. A data: URI with more bytes raises
+ * byteLength, because tinygltf requires the exact size. */
 static json_t *describe_data(const mcv_loader *loader, const json_t *object, const char *of,
                              size_t index) {
     static const char *const types[] = {"application/octet-stream", "application/gltf-buffer",
@@ -143,16 +144,16 @@ static mcv_result open_data(mcv_loader *loader, mcv_error *error) {
 }
 
 /*
- * CAD exporters write U+0000 into texts, where those of C end. It becomes the replacement character
- * U+FFFD, so that what is not read does not matter and what is read shows it. Some fill up a GLB's
- * JSON with zeros in place of blanks.
+ * CAD exporters write U+0000 into strings, where strings of C end. It becomes the replacement
+ * character U+FFFD: harmless in strings that are not read, visible in others. Some exporters fill
+ * the JSON of a GLB with zeros instead of spaces.
  */
 static void replace_nul(mcv_bytes *json) {
     while (json->size > 0 && json->data[json->size - 1] == 0) --json->size;
     for (size_t i = 0; i + 6 <= json->size; ++i) {
         if (json->data[i] != '\\') continue;
         if (memcmp(json->data + i, "\\u0000", 6) == 0) memcpy(json->data + i, "\\ufffd", 6);
-        ++i; /* what is escaped begins no escape */
+        ++i; /* an escaped character does not start an escape */
     }
 }
 
@@ -163,16 +164,16 @@ mcv_result mcv_load_json(mcv_loader *loader, mcv_error *error) {
     replace_nul(&json);
     loader->root = json_loadb((const char *)json.data, json.size, JSON_REJECT_DUPLICATES, &wrong);
     if (!loader->root)
-        return mcv_fail_at(&loader->file, error, "line %d column %d is no JSON: %s", wrong.line,
+        return mcv_fail_at(&loader->file, error, "line %d column %d is not JSON: %s", wrong.line,
                            wrong.column, mcv_json_wrong(&wrong));
-    if (!loader->binary.data) { /* all of a .gltf is in the tree now */
+    if (!loader->binary.data) { /* the tree now holds the whole .gltf */
         free(loader->bytes.data);
         loader->bytes = (mcv_bytes){NULL, 0};
     }
     return MCV_OK;
 }
 
-/* To a document that holds what glTF asks for. */
+/* Parses the document, applies overrides and validates it. */
 static mcv_result parse(mcv_loader *loader, mcv_overrides overrides, mcv_error *error) {
     if (!loader->root) MCV_TRY(mcv_load_json(loader, error));
     MCV_TRY(mcv_overrides_apply(overrides, loader->root, &loader->file, error));

@@ -26,7 +26,7 @@ static mcv_result define_sensor(const json_t *object, mcv_sensor *sensor,
     return mcv_sensor_resolve(sensor, place, error);
 }
 
-/* A projector shows an image or a pattern. */
+/* A projector needs an image or a pattern. */
 static mcv_result check_picture(mcv_emitter *emitter, const mcv_json_path *place,
                                 mcv_error *error) {
     const mcv_pattern *pattern = mcv_emitter_pattern(emitter);
@@ -40,7 +40,8 @@ static mcv_result check_picture(mcv_emitter *emitter, const mcv_json_path *place
     if (pattern->type != MCV_NONE && *mcv_emitter_image(emitter) != MCV_NONE)
         return mcv_fail_at(place, error, "has both image and pattern: give one of them");
     if (pattern->type == MCV_NONE && *mcv_emitter_index(emitter) != 0)
-        return mcv_fail_at(&index, error, "counts the images of a pattern, but there is none");
+        return mcv_fail_at(&index, error,
+                           "is the index in a pattern's sequence, but there is no pattern");
     return MCV_OK;
 }
 
@@ -64,7 +65,7 @@ static mcv_result define_emitter(const mcv_scene *scene, const json_t *object, m
     else
         MCV_TRY(check_picture(emitter, place, error));
     emitter->texture = MCV_NONE;
-    emitter->area = 1; /* of no account yet: only that radiance or power is given */
+    emitter->area = 1; /* placeholder: here only the presence of radiance or power is checked */
     MCV_TRY(mcv_emitter_check(emitter, place, error));
     return mcv_emitter_resolve(scene, emitter, place, error);
 }
@@ -101,7 +102,7 @@ mcv_result mcv_load_definitions(mcv_loader *loader, mcv_error *error) {
 
 /* --- emitters --- */
 
-/* The same radiance from each of a node's meshes: a power is shared by area. */
+/* Each of a node's meshes emits the same radiance: a power is divided by area. */
 static mcv_result add_emitters(mcv_loader *loader, const mcv_emitter *emitter, uint32_t first,
                                uint32_t last, mcv_error *error) {
     double total = 0;
@@ -112,7 +113,7 @@ static mcv_result add_emitters(mcv_loader *loader, const mcv_emitter *emitter, u
         part.instance = i;
         const double share =
             last - first > 1 && total > 0 ? mcv_scene_area(loader->scene, i) / total : 1;
-        if (share == 0) continue; /* nothing to emit from beside what can */
+        if (share == 0) continue; /* this mesh has no area, but others have */
         for (int k = 0; power && k < 3; ++k) power[k] *= share;
         MCV_TRY(mcv_scene_add_emitter(loader->scene, &part, error));
     }
@@ -123,7 +124,7 @@ static bool emits(const mcv_emission *emission) {
     return emission->radiance[0] + emission->radiance[1] + emission->radiance[2] > 0;
 }
 
-/* Instances whose material emits by itself. */
+/* Instances whose material emits. */
 static mcv_result add_emissive(mcv_loader *loader, uint32_t first, uint32_t last,
                                mcv_error *error) {
     const size_t materials = json_array_size(json_object_get(loader->root, "materials"));
@@ -145,18 +146,18 @@ static mcv_result add_emissive(mcv_loader *loader, uint32_t first, uint32_t last
     return MCV_OK;
 }
 
-/* Light with an image is placed without its node's mirroring. */
+/* Warns that the mirroring of a node has no effect on light with an image. */
 static mcv_result warn_of_mirroring(mcv_loader *loader, mcv_emitter *emitter,
                                     const mcv_transform *to_world, mcv_error *error) {
     const uint32_t *image = mcv_emitter_image(emitter);
     if (!image || *image == MCV_NONE || mcv_transform_determinant(to_world) > 0) return MCV_OK;
-    return mcv_scene_warn(loader->scene, error,
-                          "emitter \"%s\": its node mirrors (a negative scale), which is left out: "
-                          "its light is not mirrored; to mirror it, flip the image%s",
-                          emitter->name,
-                          mcv_emitter_parameter(emitter, "mirror")
-                              ? ", or write \"mirror\": true into the emitter"
-                              : "");
+    return mcv_scene_warn(
+        loader->scene, error,
+        "emitter \"%s\": its node mirrors (a negative scale), which has no effect on its "
+        "light; to mirror it, flip the image%s",
+        emitter->name,
+        mcv_emitter_parameter(emitter, "mirror") ? ", or write \"mirror\": true into the emitter"
+                                                 : "");
 }
 
 mcv_result mcv_load_emitter(mcv_loader *loader, const json_t *node, const mcv_transform *to_world,
@@ -215,7 +216,7 @@ mcv_result mcv_load_emitter(mcv_loader *loader, const json_t *node, const mcv_tr
 
 /* --- sensors --- */
 
-/* A glTF camera has no pixels: this many in x, square ones of 10 µm. */
+/* A glTF camera has no pixels: it gets this many in x, square, of 10 µm. */
 enum { CAMERA_WIDTH = 1024 };
 static const double camera_pixel = 10e-6;
 
@@ -239,8 +240,8 @@ static void perspective_sensor(const json_t *lens, mcv_sensor *sensor) {
 }
 
 /*
- * At magnification 1, in focus at zfar (a depth that fits the parameter), with a stop so small that
- * a point at the lens is blurred by a thousandth of a pixel.
+ * Magnification 1, in focus at zfar (a depth that fits the parameter), with so small a stop that a
+ * point at the lens is blurred by a thousandth of a pixel.
  */
 static void orthographic_sensor(const json_t *lens, mcv_sensor *sensor) {
     const double xmag = fabs(json_number_value(json_object_get(lens, "xmag")));
@@ -257,7 +258,7 @@ static void orthographic_sensor(const json_t *lens, mcv_sensor *sensor) {
     p->numericalAperture = 1e-3 * fmin(p->pixelSize[0], p->pixelSize[1]) / (2 * p->workingDistance);
 }
 
-/* Sensors are chosen by name, so a name is used once: "cam", "cam-2". */
+/* Sensors are chosen by name, so names are made unique: "cam", "cam-2". */
 static mcv_result add_sensor(mcv_loader *loader, mcv_sensor *sensor, const char *name,
                              const mcv_transform *to_world, const mcv_json_path *place,
                              mcv_error *error) {
@@ -267,11 +268,11 @@ static mcv_result add_sensor(mcv_loader *loader, mcv_sensor *sensor, const char 
     if (!mcv_transform_rigid(to_world, &sensor->to_world))
         return mcv_fail_at(place, error, "its scale must not be 0");
     if (mcv_transform_determinant(to_world) < 0)
-        MCV_TRY(mcv_scene_warn(scene, error,
-                               "sensor \"%s\": its node mirrors (a negative scale), which is left "
-                               "out: the image is not mirrored; to see it "
-                               "mirrored, put a mirror into the scene or flip the image",
-                               name));
+        MCV_TRY(mcv_scene_warn(
+            scene, error,
+            "sensor \"%s\": its node mirrors (a negative scale), which has no effect on the "
+            "image; to mirror it, put a mirror into the scene or flip the image",
+            name));
     for (unsigned n = 1; taken; ++n) {
         free(unique);
         if ((n == 1 ? asprintf(&unique, "%s", name) : asprintf(&unique, "%s-%u", name, n)) < 0)

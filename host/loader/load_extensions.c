@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Extensions that are read, and one line about what is ignored. */
+/* Supported extensions, and the warning about what is ignored. */
 #include "loader/loader.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* Extensions that are read; a file may require no other. */
+/* Supported extensions; a file must not require others. */
 static const char *const known_extensions[] = {"MCVISI_sensors",
                                                "MCVISI_emitters",
                                                "MCVISI_materials",

@@ -11,7 +11,7 @@
 
 enum { NEAREST = 9728, CLAMP_TO_EDGE = 33071 };
 
-/* The image of this name; an error says what there is. */
+/* The image with this name; an error lists the names. */
 static mcv_result find_name(const json_t *images, const char *name, uint32_t *source,
                             const mcv_json_path *place, mcv_error *error) {
     const size_t count = json_array_size(images);
@@ -36,7 +36,7 @@ static mcv_result find_name(const json_t *images, const char *name, uint32_t *so
                        count);
 }
 
-/* Which of the file's images the emitter's `image` is, or *uri of an OpenEXR file. */
+/* The index of the emitter's `image` among the file's images, or *uri of an OpenEXR file. */
 static mcv_result find_image(const mcv_loader *loader, const json_t *emitter, uint32_t *source,
                              const char **uri, const mcv_json_path *place, mcv_error *error) {
     static const char *const members[] = {"uri", "extras", "extensions", NULL};
@@ -60,7 +60,7 @@ static bool shows_pattern(mcv_emitter *emitter) {
     return pattern && pattern->type != MCV_NONE;
 }
 
-/* A pattern's texture counts as its image from when it is made. */
+/* Once it is made, a pattern's texture counts as its image. */
 static bool shows_image(mcv_emitter *emitter) {
     const uint32_t *image = mcv_emitter_image(emitter);
     return image && *image != MCV_NONE && !shows_pattern(emitter);
@@ -113,7 +113,7 @@ static mcv_result load_exr(mcv_loader *loader, const char *uri, mcv_texture *tex
     mcv_result result = mcv_exr_read(path, &exr, &cause);
     free(path);
     if (result != MCV_OK)
-        return mcv_fail_at(place, error, "\"%s\" is no image to read: %s", uri, cause.text);
+        return mcv_fail_at(place, error, "\"%s\" cannot be read as an image: %s", uri, cause.text);
     result = copy_linear(&exr, texture, uri, place, error);
     if (result == MCV_OK)
         mcv_load_count(loader, texture->linear,

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* KHR_lights_punctual: its lights become the emitter types point, spot and directional, from
- * candela and lux to watts. */
+/* KHR_lights_punctual: its lights become emitters of the types point, spot and directional; candela
+ * and lux are converted to watts. */
 #include "loader/loader.h"
 
 #include "scene/emitters.h"
@@ -9,10 +9,10 @@
 #include <float.h>
 #include <stdlib.h>
 
-/* Luminous efficacy of 555 nm [lm/W]: what exporters take white light for. */
+/* Luminous efficacy at 555 nm [lm/W], which exporters assume for white light. */
 static const double lumens_per_watt = 683;
 
-/* Exporters halve a float32, of which that for 180 degrees is more than pi. */
+/* Exporters halve a float32; that of 180 degrees is slightly larger than pi. */
 static const double widest = (float)M_PI_2;
 
 static mcv_result light_type(const json_t *object, uint32_t *type, const mcv_json_path *place,
@@ -37,7 +37,7 @@ static mcv_result read_spot(const json_t *light, mcv_spot_params *spot, const mc
     const mcv_json_path here = mcv_json_path_key(place, "spot");
     json_t *object;
     MCV_TRY(mcv_json_object(light, "spot", &object, place, error));
-    if (!object) return mcv_fail_at(&here, error, "is missing: a spot light has its cone there");
+    if (!object) return mcv_fail_at(&here, error, "is missing: it holds the cone of a spot light");
     MCV_TRY(
         mcv_json_number(object, "innerConeAngle", 0, widest, &spot->innerConeAngle, &here, error));
     MCV_TRY(mcv_json_number(object, "outerConeAngle", DBL_MIN, widest, &spot->outerConeAngle, &here,

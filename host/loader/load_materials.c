@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* glTF materials to the scene's: MCVISI_materials where it is given, else what the core material
- * and KHR extensions say. */
+/* glTF materials to the scene's: MCVISI_materials if given, else the core material and KHR
+ * extensions. */
 #include "loader/loader.h"
 
 #include "scene/params.h"
@@ -105,9 +105,9 @@ static mcv_result read_core(const json_t *material, core_material *core, const m
 }
 
 /*
- * Full transmission is glass or, without thickness, a sheet where it is smooth; a smooth metal is a
- * mirror; the rest is what the core material says. `textured` tells that an image scales roughness
- * and metallic. False: something of it is lost.
+ * Full transmission of a smooth material is glass or, without thickness, a sheet. A smooth metal is
+ * a mirror. Everything else is metallicRoughness. `textured`: an image scales roughness and
+ * metallic. False: a property of the core material is lost.
  */
 static bool map_core(const core_material *core, bool textured, mcv_material *material) {
     const bool smooth = core->roughness == 0,
@@ -120,8 +120,8 @@ static bool map_core(const core_material *core, bool textured, mcv_material *mat
                                     .roughness = core->roughness,
                                     .anisotropy = core->anisotropy,
                                     .anisotropyRotation = core->rotation};
-        for (int i = 0; i < 3;
-             ++i) /* a colour of 0 has an infinite coefficient: the largest that is allowed */
+        for (int i = 0; i < 3; ++i) /* a colour of 0 means an infinite coefficient: the largest
+                                       allowed one replaces it */
             material->as.dielectric.absorption[i] =
                 core->attenuation[i] == 1
                     ? 0
@@ -154,11 +154,9 @@ static bool map_core(const core_material *core, bool textured, mcv_material *mat
     return !(core->thickness > 0 && core->transmission > 0);
 }
 
-/* What a part is made of where how it scatters light is asked for: what would say it. */
+/* Refuses names of substances where a type of scattering is expected, and suggests the type. */
 static mcv_result check_substance(const json_t *object, const mcv_json_path *place,
                                   mcv_error *error) {
-    static const char *const metals[] = {"metal",  "steel", "stainlessSteel", "brass",
-                                         "bronze", "zinc",  "aluminum",       NULL};
     static const char *const clear[] = {"glass", "plexiglass", "acrylic", "quartz", NULL};
     static const char *const matt[] = {"plastic", "rubber",  "wood", "paper",
                                        "paint",   "ceramic", NULL};
@@ -166,10 +164,6 @@ static mcv_result check_substance(const json_t *object, const mcv_json_path *pla
         const char *const *words;
         const char *says;
     } substances[] = {
-        {metals, "a metal is a conductor, {\"type\": \"conductor\", \"metal\": \"iron\", "
-                 "\"roughness\": 0.3}"},
-        {mcv_param_options("metal"), "a metal is a conductor, {\"type\": \"conductor\", \"metal\": "
-                                     "\"iron\", \"roughness\": 0.3}"},
         {clear,
          "a body of glass is a dielectric, {\"type\": \"dielectric\", \"glass\": \"N-BK7\"}"},
         {mcv_param_options("glass") + 1,
@@ -180,17 +174,17 @@ static mcv_result check_substance(const json_t *object, const mcv_json_path *pla
                "\"metallicRoughness\", \"metallic\": 0, \"roughness\": 0.5}"}};
     const char *name = json_string_value(json_object_get(object, "type"));
     const mcv_json_path here = mcv_json_path_key(place, "type");
+    char metals[256];
+    if (name && mcv_is_metal(name, metals))
+        return mcv_fail_at(&here, error,
+                           "\"%s\" is no type: a metal is a conductor, {\"type\": \"conductor\", "
+                           "\"metal\": \"iron\", \"roughness\": 0.3}; %s",
+                           name, metals);
     for (size_t i = 0; name && i < sizeof substances / sizeof substances[0]; ++i)
         for (const char *const *word = substances[i].words; *word; ++word)
-            if (strcasecmp(name, *word) == 0) {
-                char list[256] = "";
-                const char *const *options = mcv_param_options("metal");
-                for (; i < 2 && *options; ++options)
-                    snprintf(list + strlen(list), sizeof list - strlen(list), "%s%s",
-                             *list ? ", " : "; metals are ", *options);
-                return mcv_fail_at(&here, error, "\"%s\" is no type: %s%s", name,
-                                   substances[i].says, list);
-            }
+            if (strcasecmp(name, *word) == 0)
+                return mcv_fail_at(&here, error, "\"%s\" is not a type: %s", name,
+                                   substances[i].says);
     return MCV_OK;
 }
 
@@ -208,7 +202,7 @@ static mcv_result read_own(const json_t *object, mcv_material *material, const m
     return mcv_params_check(table, &material->as, place, error);
 }
 
-/* Materials with something to warn about, by name: the keys of a JSON object, so that a name comes
+/* Collects the names of materials for a warning, as keys of a JSON object, so that each occurs
  * once. */
 static void note(json_t *names, const char *name, size_t index) {
     char number[32];
@@ -245,8 +239,8 @@ static mcv_result load_material(mcv_loader *loader, const json_t *object, size_t
     MCV_TRY(read_core(object, &core, place, error));
     MCV_TRY(mcv_json_string(object, "alphaMode", &alpha, place, error));
     const json_t *own = mcv_json_extension(object, "MCVISI_materials");
-    if (core.ior == 0 &&
-        !own) { /* glTF: no Fresnel effect at all, written by converters from specular-glossiness */
+    if (core.ior == 0 && !own) { /* glTF: ior 0 means no Fresnel effect; converters from
+                                    specular-glossiness write it */
         MCV_TRY(
             mcv_scene_warn(loader->scene, error, "material \"%s\": ior 0 is read as 1.5", name));
         core.ior = 1.5;
@@ -279,16 +273,15 @@ mcv_result mcv_load_materials(mcv_loader *loader, mcv_error *error) {
     for (size_t i = 0; result == MCV_OK && i < json_array_size(materials); ++i) {
         const json_t *object = json_array_get(materials, i);
         const mcv_json_path here = mcv_json_path_element(&place, mcv_json_name(object), i);
-        if (loader->materials[i] != MCV_NONE) continue; /* one of the scene's takes its place */
+        if (loader->materials[i] != MCV_NONE) continue; /* replaced by a material of the scene */
         loader->materials[i] = loader->scene->material_count;
         result = load_material(loader, object, i, thin, cut_out, &here, error);
     }
     if (result == MCV_OK)
-        result = warn_names(loader->scene, thin, "rendered as thin walls, their volume is ignored",
-                            error);
-    if (result == MCV_OK)
         result =
-            warn_names(loader->scene, cut_out, "rendered opaque, their alpha is ignored", error);
+            warn_names(loader->scene, thin, "rendered as thin walls, without their volume", error);
+    if (result == MCV_OK)
+        result = warn_names(loader->scene, cut_out, "rendered opaque, without their alpha", error);
     json_decref(thin);
     json_decref(cut_out);
     return result;

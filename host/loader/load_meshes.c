@@ -25,8 +25,8 @@ static void triangle_at(uint64_t mode, uint64_t t, uint64_t vertices[3]) {
 }
 
 /*
- * Turns `count` vertices (listed, or in their order where list is NULL) into triangles. Strips join
- * their parts by triangles with a vertex twice: those are left out. Takes over `list`.
+ * Makes triangles of `count` vertices (of the list, or in their order if list is NULL). Strips are
+ * joined by degenerate triangles, which are dropped. Takes ownership of `list`.
  */
 static mcv_result make_triangles(uint64_t mode, uint64_t count, uint32_t *list, mcv_mesh *mesh,
                                  const mcv_json_path *place, mcv_error *error) {
@@ -89,7 +89,7 @@ static mcv_result read_indices(const mcv_loader *loader, const json_t *primitive
     return MCV_OK;
 }
 
-/* Reads the arrays of one primitive; on failure the caller frees what is there. */
+/* Reads the arrays of one primitive; on failure the caller frees them. */
 static mcv_result read_primitive(mcv_loader *loader, const json_t *primitive, uint64_t mode,
                                  bool needs_tangents, mcv_mesh *mesh, const mcv_json_path *place,
                                  mcv_error *error) {
@@ -123,7 +123,7 @@ static mcv_result read_primitive(mcv_loader *loader, const json_t *primitive, ui
     MCV_TRY(mcv_mesh_check(mesh, &repaired, place, error));
     return repaired ? mcv_scene_warn(
                           loader->scene, error,
-                          "mesh \"%s\": %u normals of length 0 are taken from the faces around",
+                          "mesh \"%s\": %u normals of length 0 are replaced by those of the faces",
                           mesh->name, repaired)
                     : MCV_OK;
 }
@@ -135,11 +135,11 @@ static mcv_result load_primitive(mcv_loader *loader, const json_t *primitive,
     uint32_t material;
     MCV_TRY(mcv_json_uint(primitive, "mode", 0, MODE_FAN, &mode, place, error));
     if (mode < MODE_TRIANGLES)
-        return mcv_scene_warn(loader->scene, error, "mesh \"%s\": points and lines are left out",
+        return mcv_scene_warn(loader->scene, error, "mesh \"%s\": points and lines are ignored",
                               name);
     if (!json_object_get(json_object_get(primitive, "attributes"), "POSITION"))
         return mcv_scene_warn(loader->scene, error,
-                              "mesh \"%s\": a primitive without POSITION is left out", name);
+                              "mesh \"%s\": a primitive without POSITION is ignored", name);
     MCV_TRY(mcv_json_index(primitive, "material",
                            json_array_size(json_object_get(loader->root, "materials")), "materials",
                            &material, place, error));

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Nodes: each is placed, with its meshes, emitters, sensors and assets, then its children. */
+/* Nodes: places each with its meshes, emitters, sensors and assets, then its children. */
 #include "loader/loader.h"
 
 #include "scene/transform.h"
 
-/* The document of an asset below the node that places it. */
+/* Places the document of an asset below its node. */
 static mcv_result place_asset(mcv_loader *asset, const char *name, const mcv_transform *to_world,
                               mcv_error *error) {
     mcv_transform scaled = *to_world;
@@ -20,8 +20,8 @@ static mcv_result place_asset(mcv_loader *asset, const char *name, const mcv_tra
     return mcv_load_nodes(asset, &scaled, error);
 }
 
-/* `document`: the frame of the document's root in the world; `material`: what is put on the node,
- * or MCV_NONE for its own. */
+/* `document`: the frame of the document's root in the world. `material`: replaces those of the
+ * node, unless it is MCV_NONE. */
 static mcv_result load_node(mcv_loader *loader, uint32_t index, const mcv_transform *document,
                             const mcv_transform *parent, uint32_t material, mcv_error *error) {
     const json_t *nodes = json_object_get(loader->root, "nodes"),

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Where nodes stand: translation, rotation, scale or matrix below their parents, or MCVISI_pose. */
+/* The transforms of nodes: translation, rotation, scale or matrix relative to their parents, or
+ * MCVISI_pose. */
 #include "loader/loader.h"
 
 #include "scene/params.h"
@@ -20,7 +21,7 @@ mcv_result mcv_load_local(const json_t *node, mcv_transform *transform, const mc
         mcv_json_numbers(node, "translation", 3, -INFINITY, INFINITY, translation, place, error));
     MCV_TRY(mcv_json_numbers(node, "rotation", 4, -INFINITY, INFINITY, rotation, place, error));
     MCV_TRY(mcv_json_numbers(node, "scale", 3, -INFINITY, INFINITY, scale, place, error));
-    /* Files round quaternions; a length other than 1 would scale. */
+    /* Files have rounded quaternions; a length other than 1 would scale. */
     const double length = hypot(hypot(rotation[0], rotation[1]), hypot(rotation[2], rotation[3]));
     for (int i = 0; i < 4; ++i) rotation[i] /= length;
     *transform = mcv_transform_from_trs(translation, rotation, scale);
@@ -43,8 +44,8 @@ static mcv_transform stand(const double target[3], const pose_params *pose) {
     const double sa = sin(pose->azimuth), ca = cos(pose->azimuth), se = sin(pose->elevation),
                  ce = cos(pose->elevation);
     const double sr = sin(pose->roll), cr = cos(pose->roll);
-    /* Columns x (level), y (up) and z (from the target to the node) before the roll: no case for
-     * straight up. */
+    /* Columns x (level), y (up) and z (from the target to the node) before the roll. Straight up is
+     * not a special case. */
     const double x[3] = {ca, 0, -sa}, y[3] = {-se * sa, ce, -se * ca},
                  z[3] = {ce * sa, se, ce * ca};
     mcv_transform transform;
@@ -115,7 +116,7 @@ static mcv_result find_target(const mcv_loader *loader, const json_t *pose, int 
     return MCV_OK;
 }
 
-/* Nobody turns by more than one turn in radians. */
+/* Warns of angles without a unit above one turn, which are probably degrees. */
 static mcv_result warn_of_degrees(mcv_scene *scene, const json_t *node, const json_t *pose,
                                   const pose_params *params, mcv_error *error) {
     const mcv_param_table table = mcv_pose_table();
@@ -125,11 +126,11 @@ static mcv_result warn_of_degrees(mcv_scene *scene, const json_t *node, const js
             continue;
         const double angle = *(const double *)mcv_params_find(table, param->key, params);
         if (fabs(angle) > 2 * M_PI)
-            MCV_TRY(mcv_scene_warn(scene, error,
-                                   "node \"%s\": %s %g has no unit, so it is in radians, %.3g "
-                                   "turns: write \"%gdeg\" if degrees are meant",
-                                   mcv_json_name(node), param->key, angle, angle / (2 * M_PI),
-                                   angle));
+            MCV_TRY(mcv_scene_warn(
+                scene, error,
+                "node \"%s\": %s %g has no unit, so it is in radians, %.3g turns: write \"%gdeg\" "
+                "for degrees",
+                mcv_json_name(node), param->key, angle, angle / (2 * M_PI), angle));
     }
     return MCV_OK;
 }
@@ -166,8 +167,7 @@ mcv_result mcv_load_transform(const mcv_loader *loader, uint32_t index, int dept
                         here = mcv_json_path_element(&place, mcv_json_name(node), index);
     bool posed;
     if (depth > MCV_NODE_DEPTH)
-        return mcv_fail_at(&here, error,
-                           "its pose has itself as the target, by way of other nodes");
+        return mcv_fail_at(&here, error, "its pose has itself as its target, through other nodes");
     MCV_TRY(mcv_load_pose(loader, node, depth, &posed, transform, &here, error));
     if (posed) return MCV_OK;
     MCV_TRY(mcv_load_local(node, transform, &here, error));

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Presets: which element shines, and on what geometry. */
+/* Presets: their emitting element and their geometry. */
 #include "loader/loader.h"
 
 #include "scene/emitters.h"
@@ -53,7 +53,7 @@ mcv_result mcv_preset_resolve(const mcv_preset *preset, mcv_emitter *emitter,
     mcv_params_set_defaults(mcv_emitter_table(emitter->type), &emitter->as);
     if (directed) {
         emitter->as.parallel.halfAngle = *half_angle;
-        MCV_TRY(mcv_emitter_check(emitter, place, error)); /* what it says of a half-angle of 0 */
+        MCV_TRY(mcv_emitter_check(emitter, place, error)); /* refuses a half-angle of 0 */
     }
     MCV_TRY(mcv_params_check(mcv_emitter_table(preset->type), &preset->as, place, error));
     memcpy(mcv_emitter_parameter(emitter, "radiance"), parameter(preset, "radiance"),
@@ -69,7 +69,7 @@ typedef struct profile_point {
     double normal_r, normal_z; /* unit */
 } profile_point;
 
-/* A point at distance r from the axis, on the polygon that has the area of its circle. */
+/* A point at the distance r from the axis, on the polygon with the area of its circle. */
 static void turn(const profile_point *p, uint32_t segment, float *position, float *normal) {
     const double step = 2 * M_PI / SEGMENTS, angle = segment * step,
                  r = p->r * sqrt(step / sin(step));
@@ -79,8 +79,8 @@ static void turn(const profile_point *p, uint32_t segment, float *position, floa
     normal[2] = (float)p->normal_z;
 }
 
-/* The profile turned about the node's z axis. The front lies to the right of who walks along it, r
- * to the right and z up. */
+/* The profile, turned about the node's z axis. With r to the right and z up, the front lies to the
+ * right of the direction of the profile. */
 static mcv_result add_turned(mcv_loader *loader, const char *name, const profile_point *profile,
                              uint32_t count, const mcv_transform *to_world,
                              const mcv_json_path *place, mcv_error *error) {
@@ -159,7 +159,7 @@ static mcv_result add_half_mirror(mcv_loader *loader, const mcv_coaxial_params *
     return mcv_scene_add_material(loader->scene, &material, error);
 }
 
-/* The panel first: it is what shines. */
+/* The panel comes first, because the first instance emits. */
 static mcv_result add_coaxial(mcv_loader *loader, const mcv_coaxial_params *p, const char *name,
                               const mcv_transform *to_world, const mcv_json_path *place,
                               mcv_error *error) {
@@ -167,7 +167,7 @@ static mcv_result add_coaxial(mcv_loader *loader, const mcv_coaxial_params *p, c
     mcv_transform frame;
     if (!mcv_transform_rigid(to_world, &frame))
         return mcv_fail_at(place, error, "its scale must not be 0");
-    /* By columns: each rectangle's x, y and z, and where its middle is; it faces its -z. */
+    /* By columns: each rectangle's x, y and z, and its centre; it faces its -z. */
     const mcv_transform panel = {{1, 0, 0, 0, 0, 1, 0, -1, 0, 0, y, 0}},
                         wall = {{1, 0, 0, 0, 0, -1, 0, 1, 0, 0, -y, 0}};
     const mcv_transform mirror = {{1, 0, 0, 0, s, -s, 0, s, s, 0, 0, 0}};

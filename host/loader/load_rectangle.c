@@ -6,9 +6,9 @@
 #include "scene/transform.h"
 
 /*
- * Two triangles in the node's xy plane that face -z, where the emitter looks; as large as `size`
- * says, whatever the node's scale. An image's upper left corner lies at -x, +y, or mirrored at +x,
- * +y.
+ * Two triangles in the node's xy plane that face -z, the direction of emission. `size` is their
+ * size, independent of the node's scale. An image's upper left corner lies at -x, +y; mirrored at
+ * +x, +y.
  */
 mcv_result mcv_load_rectangle(mcv_loader *loader, const char *name, const double size[2],
                               bool mirror, const mcv_transform *to_world,

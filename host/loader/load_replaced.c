@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Materials of the scene in place of an asset's own, by name and by node (mcvisi/asset.h); and how
- * materials are found by name. */
+/* Materials of the scene that replace those of an asset, by name and by node (mcvisi/asset.h);
+ * finding materials by name. */
 #include "loader/loader.h"
+
+#include "scene/params.h"
 
 #include <stdlib.h>
 
-/* The material that an emission would be lost on is refused. */
+/* An emissive material is refused, because its emission would be lost. */
 mcv_result mcv_load_find_material(const mcv_loader *loader, const json_t *object, const char *key,
                                   uint32_t *material, const mcv_json_path *place,
                                   mcv_error *error) {
@@ -28,6 +30,14 @@ mcv_result mcv_load_find_material(const mcv_loader *loader, const json_t *object
         for (size_t i = 0; i < json_array_size(materials) && n < 256; ++i)
             names[n++] = mcv_json_name(json_array_get(materials, i));
         const char *nearest = mcv_nearest_word(json_string_value(value), names, n);
+        char metals[256];
+        if (mcv_is_metal(json_string_value(value), metals) &&
+            !(nearest && mcv_is_metal(nearest, metals)))
+            return mcv_fail_at(&here, error,
+                               "there is no material \"%s\": give the file one of this name, "
+                               "{\"type\": \"conductor\", \"metal\": \"iron\", "
+                               "\"roughness\": 0.3}; %s",
+                               json_string_value(value), metals);
         return mcv_fail_at(&here, error, "there is no material \"%s\"%s%s%s",
                            json_string_value(value), nearest ? ": did you mean \"" : "",
                            nearest ? nearest : "", nearest ? "\"?" : "");
@@ -39,7 +49,7 @@ mcv_result mcv_load_find_material(const mcv_loader *loader, const json_t *object
     if (radiance[0] + radiance[1] + radiance[2] > 0)
         return mcv_fail_at(
             &here, error,
-            "the material emits light, which only a mesh of a glTF file can: choose another");
+            "the material emits light, but only meshes of glTF files can: choose another");
     *material = loader->materials[index];
     return MCV_OK;
 }
@@ -65,13 +75,13 @@ static mcv_result fail_unknown(const mcv_loader *asset, const char *of, const ch
     const char *file = slash ? slash + 1 : asset->file.key;
     if (nearest)
         return mcv_fail_at(&here, error,
-                           "the %s of \"%s\" have none of this name: did you mean \"%s\"?", of,
-                           file, nearest);
+                           "there is none among the %s of \"%s\": did you mean \"%s\"?", of, file,
+                           nearest);
     for (size_t i = 0; i < n; ++i)
         snprintf(list + strlen(list), sizeof list - strlen(list), "%s\"%s\"", i ? ", " : "",
                  names[i]);
-    return mcv_fail_at(&here, error, "the %s of \"%s\" have none of this name: they are %s", of,
-                       file, n ? list : "without names");
+    return mcv_fail_at(&here, error, "there is none among the %s of \"%s\": they are %s", of, file,
+                       n ? list : "without names");
 }
 
 /* The entry's object `key`, {NAME: material}, for the elements of the asset's array `of`. */

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * STL: triangles without a unit, normals or material. Binary: 80 bytes of header, the number of
- * triangles, 50 bytes for each; ASCII: facet, outer loop, three vertex lines. The normals in the
- * file are passed over: the winding says the front.
+ * STL: triangles without unit, normals or material. Binary: 80 bytes of header, the number of
+ * triangles, 50 bytes for each. ASCII: facet, outer loop, three vertex lines. The file's normals
+ * are ignored: the winding determines the front.
  */
 #include "loader/loader.h"
 #include "loader/load_stl.h"
@@ -25,7 +25,7 @@ static float float_at(const uint8_t *p) {
     return value;
 }
 
-/* Every three positions are a triangle. */
+/* Makes the indices: every three positions are a triangle. */
 static mcv_result number_vertices(mcv_mesh *mesh, const mcv_json_path *place, mcv_error *error) {
     mesh->triangle_count = mesh->vertex_count / 3;
     mesh->indices = malloc((mesh->vertex_count + (size_t)1) * sizeof *mesh->indices);
@@ -39,16 +39,16 @@ static mcv_result number_vertices(mcv_mesh *mesh, const mcv_json_path *place, mc
 static mcv_result read_binary(mcv_bytes bytes, mcv_mesh *mesh, const mcv_json_path *place,
                               mcv_error *error) {
     if (bytes.size < HEADER)
-        return mcv_fail_at(place, error, "%zu bytes are no STL file: its header alone has %d",
+        return mcv_fail_at(place, error, "%zu bytes are too few for an STL file: its header has %d",
                            bytes.size, HEADER);
     const uint32_t count = little_endian(bytes.data + HEADER - 4);
     const uint64_t needed = HEADER + (uint64_t)count * RECORD;
     if (bytes.size != needed)
         return mcv_fail_at(
-            place, error, "says %u triangles, which take %llu bytes, but has %zu: it is %s", count,
-            (unsigned long long)needed, bytes.size,
+            place, error, "states %u triangles, which take %llu bytes, but has %zu: it is %s",
+            count, (unsigned long long)needed, bytes.size,
             bytes.size < needed ? "truncated"
-                                : "no binary STL file, nor does it begin with `solid`");
+                                : "not a binary STL file, and it does not begin with `solid`");
     if (count > INT32_MAX / 3)
         return mcv_fail_at(place, error, "%u triangles are more than %d", count, INT32_MAX / 3);
     mesh->vertex_count = 3 * count;
@@ -63,7 +63,7 @@ static mcv_result read_binary(mcv_bytes bytes, mcv_mesh *mesh, const mcv_json_pa
 
 /* --- ASCII --- */
 
-/* The next word; lines are counted. Whatever the locale, numbers have a point. */
+/* A reader of words that counts lines. In every locale, numbers have a decimal point. */
 typedef struct reader {
     const char *at, *end;
     unsigned line;
@@ -93,7 +93,7 @@ static bool word_is(const reader *r, const char *word) { return strcasecmp(r->wo
 static mcv_result expect_word(reader *r, const char *word, const mcv_json_path *place,
                               mcv_error *error) {
     if (!next_word(r))
-        return mcv_fail_at(place, error, "is truncated: it ends in line %u, where `%s` must stand",
+        return mcv_fail_at(place, error, "is truncated: it ends in line %u, where `%s` must be",
                            r->line, word);
     return word_is(r, word)
                ? MCV_OK
@@ -104,8 +104,8 @@ static mcv_result read_number(reader *r, float *value, const mcv_json_path *plac
                               mcv_error *error) {
     char *end;
     if (!next_word(r))
-        return mcv_fail_at(place, error,
-                           "is truncated: it ends in line %u, where a number must stand", r->line);
+        return mcv_fail_at(place, error, "is truncated: it ends in line %u, where a number must be",
+                           r->line);
     *value = (float)strtod_l(r->word, &end, r->locale);
     if (*end == '\0') return MCV_OK;
     if (*end == ',')
@@ -114,7 +114,7 @@ static mcv_result read_number(reader *r, float *value, const mcv_json_path *plac
                            "languages: export with points, "
                            "or as a binary file",
                            r->line, r->word);
-    return mcv_fail_at(place, error, "line %u: \"%s\" is no number", r->line, r->word);
+    return mcv_fail_at(place, error, "line %u: \"%s\" is not a number", r->line, r->word);
 }
 
 static mcv_result read_facet(reader *r, float corners[9], const mcv_json_path *place,
@@ -132,7 +132,7 @@ static mcv_result read_facet(reader *r, float corners[9], const mcv_json_path *p
     return expect_word(r, "endfacet", place, error);
 }
 
-/* solid NAME, facets, endsolid NAME; several one after the other are one part. */
+/* solid NAME, facets, endsolid NAME; several solids are one part. */
 static mcv_result read_solids(reader *r, mcv_mesh *mesh, const mcv_json_path *place,
                               mcv_error *error) {
     size_t room = 0;
@@ -181,7 +181,7 @@ static mcv_result read_ascii(mcv_bytes bytes, mcv_mesh *mesh, const mcv_json_pat
 
 /* --- both --- */
 
-/* Binary files may begin with `solid` as well; ASCII has no byte 0 where they have their count. */
+/* Binary files may begin with `solid` too; where they have their count, ASCII has no byte 0. */
 static bool is_ascii(mcv_bytes bytes) {
     static const char solid[] = "solid";
     if (bytes.size < sizeof solid - 1 ||

@@ -7,7 +7,7 @@
 #include "core/json_path.h"
 #include "scene/scene.h"
 
-/* Adds the triangles of a file to the scene. size is that of their box, in the file's own unit.
+/* Adds the triangles of a file to the scene. `size` gets the size of their box, in the file's unit.
  * `place` is the file, for messages. */
 mcv_result mcv_load_stl(mcv_scene *scene, mcv_bytes bytes, const char *name, uint32_t *mesh,
                         double size[3], const mcv_json_path *place, mcv_error *error);

@@ -66,7 +66,7 @@ static mcv_result read_asphere(const json_t *object, mcv_cap *cap, const mcv_jso
     const size_t n = json_array_size(array);
     if (n > MCV_ASPHERE_TERMS)
         return mcv_fail_at(&here, error,
-                           "has %zu coefficients: at most %d are known, of r^4 to r^%d", n,
+                           "has %zu coefficients: at most %d are supported, of r^4 to r^%d", n,
                            MCV_ASPHERE_TERMS, 2 * MCV_ASPHERE_TERMS + 2);
     if (n == 1) { /* mcv_json_numbers reads one number without its array */
         if (!json_is_number(json_array_get(array, 0)))
@@ -78,7 +78,7 @@ static mcv_result read_asphere(const json_t *object, mcv_cap *cap, const mcv_jso
              : MCV_OK;
 }
 
-/* Radius and curvature say the same. */
+/* Makes a cap from the radius or the curvature. */
 static mcv_result make_cap(double radius, double curvature, double conic, bool cylindrical,
                            const json_t *object, mcv_cap *cap, const mcv_json_path *place,
                            mcv_error *error) {
@@ -124,7 +124,7 @@ static mcv_result assemble_lens(const lens_surface *surfaces, uint32_t n, uint32
         const lens_surface *a = surfaces + i, *b = a + 1;
         if (a->material == MCV_NONE) continue;
         if (i + 1 == n)
-            return mcv_fail_at(&here, error, "its material has no surface behind it to end at");
+            return mcv_fail_at(&here, error, "its material needs another surface behind it");
         mcv_solid *solid = body->solids + body->count;
         *solid = (mcv_solid){.side = MCV_SIDE_CYLINDER,
                              .radius = fmax(a->params.semiDiameter, b->params.semiDiameter),
@@ -139,7 +139,7 @@ static mcv_result assemble_lens(const lens_surface *surfaces, uint32_t n, uint32
         body->materials[2 * body->count] = a->material;
         body->materials[2 * body->count++ + 1] = rim;
     }
-    /* A gap between two bodies must be one. */
+    /* A gap between two bodies must have a width. */
     for (uint32_t i = 1; i + 2 < n; ++i) {
         const mcv_json_path here = mcv_place_index(place, i);
         const mcv_solid gap = {

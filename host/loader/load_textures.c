@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Textures of materials: which images they need, and how an image lies on a mesh. */
+/* Textures of materials: the images that they need, and the transform of an image on a mesh. */
 #include "loader/loader.h"
 
 #include "loader/validate.h"
@@ -49,7 +49,7 @@ mcv_result mcv_load_need_image(mcv_loader *loader, uint32_t source, uint32_t *co
     return MCV_OK;
 }
 
-/* Bytes that encode no colour, as shares of 255. */
+/* Bytes that are not colours, divided by 255. */
 static mcv_result decode_data(mcv_texture *texture, const mcv_json_path *place, mcv_error *error) {
     const size_t pixels = (size_t)texture->width * texture->height;
     texture->linear = malloc(3 * sizeof(float) * pixels);
@@ -62,8 +62,8 @@ static mcv_result decode_data(mcv_texture *texture, const mcv_json_path *place, 
     return MCV_OK;
 }
 
-/* KHR_texture_transform: the image's coordinates are offset + R(rotation) (scale u); to positive
- * angles, v turns towards u. */
+/* KHR_texture_transform: the image's coordinates are offset + R(rotation) (scale u); positive
+ * angles turn v towards u. */
 static mcv_result read_transform(const json_t *info, mcv_texture *texture,
                                  const mcv_json_path *place, mcv_error *error) {
     enum { LARGEST = 65536 }; /* the largest coordinate of kernels/geometry/texture.h */
@@ -89,7 +89,8 @@ static mcv_result read_transform(const json_t *info, mcv_texture *texture,
     return MCV_OK;
 }
 
-/* The scene's number of a texture with the pixels of texture `like`, but placed as `placed` is. */
+/* The scene's index of a texture with the pixels of texture `like` and the transform of
+ * `placed`. */
 static mcv_result place_texture(mcv_scene *scene, uint32_t like, const mcv_texture *placed,
                                 uint32_t *number, const mcv_json_path *place, mcv_error *error) {
     mcv_texture own = scene->textures[like];
@@ -124,10 +125,11 @@ mcv_result mcv_load_texture(mcv_loader *loader, const json_t *part, const char *
     mcv_texture placed = {0};
     MCV_TRY(read_transform(info, &placed, &here, error));
     if (placed.texcoord_set > 1)
-        return mcv_scene_warn(loader->scene, error,
-                              "a use of texture %u is left out: it asks for another set than "
-                              "TEXCOORD_0 and TEXCOORD_1",
-                              index);
+        return mcv_scene_warn(
+            loader->scene, error,
+            "a use of texture %u is ignored: only the sets TEXCOORD_0 and TEXCOORD_1 are "
+            "supported",
+            index);
     if (loaded[index] == MCV_NONE) {
         const json_t *texture = json_array_get(json_object_get(loader->root, "textures"), index);
         const json_t *samplers = json_object_get(loader->root, "samplers");

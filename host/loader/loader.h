@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What the parts of the loader share while one document is turned into a scene. */
+/* What the files of the loader share while a document becomes a scene. */
 #ifndef MCVISI_HOST_LOADER_LOADER_H
 #define MCVISI_HOST_LOADER_LOADER_H
 
@@ -23,23 +23,23 @@ typedef struct mcv_emission {
     uint32_t texture;
 } mcv_emission;
 
-/* A definition of MCVISI_surfaces: its solids in the body's frame, and what they are made of. */
+/* A definition of MCVISI_surfaces: its solids in the body's frame, and their materials. */
 typedef struct mcv_body {
     const char *name;
     uint32_t count;
     mcv_solid *solids;
-    uint32_t *materials; /* 2 per solid: of the scene, of the caps and of the side; MCV_NONE: the
-                            node's */
+    uint32_t *materials; /* 2 per solid: scene's materials of the caps and of the side; MCV_NONE:
+                            the node's */
 } mcv_body;
 
-/* A file as it was before it was read. */
+/* The state of a file before it was read. */
 typedef struct mcv_stamp {
     char *path;
     uint64_t device, inode, size;
     struct timespec modified, changed;
 } mcv_stamp;
 
-/* An asset that was parsed before. */
+/* An asset that is already parsed. */
 typedef struct mcv_cached_asset {
     mcv_stamp *stamps; /* of all files that were read for it, its own first */
     size_t stamp_count;
@@ -53,12 +53,12 @@ typedef struct mcv_cached_asset {
 typedef struct mcv_loader {
     mcv_scene *scene;
     mcv_json_path file;
-    bool is_asset; /* placed by another document: its cameras, sensors and emitters but for emissive
-                      materials do not count */
+    bool is_asset; /* placed by another document: its cameras, sensors and non-emissive emitters are
+                      ignored */
     double unit;   /* of an asset's lengths [m] */
     uint32_t solid; /* the scene's mesh of an asset that is an STL file; MCV_NONE for glTF */
-    uint32_t asset_material; /* the scene's number of the one that its entry puts on all of an
-                                asset, or MCV_NONE */
+    uint32_t asset_material; /* the scene's index of the material that replaces all of an asset's,
+                                or MCV_NONE */
     const struct mcv_loader *placer;  /* of an asset: the document that places it, */
     const json_t *entry;              /* its entry there and */
     const mcv_json_path *entry_place; /* where that stands; valid until it is open */
@@ -67,19 +67,19 @@ typedef struct mcv_loader {
     mcv_gltf *gltf;
     mcv_asset_cache *cache; /* or NULL */
     bool is_cached;         /* root and gltf are those of a cached asset */
-    mcv_stamp *stamps;      /* of the files read, for an asset that is to be cached */
+    mcv_stamp *stamps;      /* of the files that were read, for an asset that will be cached */
     size_t stamp_count;
-    uint64_t fingerprint; /* of this document's files and its assets */
-    uint32_t *images;     /* number in gltf of images[i], or MCV_NONE where no material needs it */
-    uint32_t *textures; /* the scene's number of textures[i], or MCV_NONE as long as no material has
-                           asked for it */
-    uint32_t *data_textures;  /* the same where it holds no colour */
-    uint32_t *materials;      /* the scene's number of materials[i], or of what takes its place */
-    uint32_t *node_materials; /* of an asset: the scene's number of what is put on all of nodes[i]
-                                 and below, or MCV_NONE */
+    uint64_t fingerprint;     /* of this document's files and its assets */
+    uint32_t *images;         /* index in gltf of images[i], or MCV_NONE if no material needs it */
+    uint32_t *textures;       /* the scene's index of textures[i], or MCV_NONE while no material has
+                                 needed it */
+    uint32_t *data_textures;  /* the same for textures that are not colours */
+    uint32_t *materials;      /* the scene's index of materials[i], or of its replacement */
+    uint32_t *node_materials; /* of an asset: the scene's material of nodes[i] and the nodes below,
+                                 or MCV_NONE */
     mcv_emission *emission;   /* of materials[i] */
     mcv_loaded_mesh *meshes;
-    uint32_t plain, absorber; /* the scene's number of the material where none is given, of
+    uint32_t plain, absorber; /* the scene's indices of the default material and of that of
                                  rectangles; or MCV_NONE */
     mcv_sensor *sensors;      /* the definitions in MCVISI_sensors and MCVISI_emitters */
     mcv_emitter *emitters;

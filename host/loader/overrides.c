@@ -159,8 +159,8 @@ static mcv_result set_below(setting *set, json_t *parent, char *rest) {
             const size_t index = array_index(parent, segment);
             if (index == SIZE_MAX)
                 return fail(set,
-                            "\"%s\" is no element of an array of %zu: use x y z w, r g b a or an "
-                            "index from 0",
+                            "\"%s\" is not an element of an array of %zu: use x y z w, r g b a or "
+                            "an index from 0",
                             segment, json_array_size(parent));
             child = json_array_get(parent, index);
             if (!*rest && !set->value) return take(set, child);
@@ -178,7 +178,7 @@ static mcv_result set_below(setting *set, json_t *parent, char *rest) {
                 return MCV_OK;
             }
         } else {
-            return fail(set, "\"%s\" lies below a value that has no members", segment);
+            return fail(set, "\"%s\" follows a value that has no members", segment);
         }
         parent = child;
     }
@@ -192,7 +192,7 @@ static mcv_result set_member(setting *set, json_t *element, char *rest) {
     snprintf(key, sizeof key, "%.*s", (int)length, rest);
     if (!*rest && !set->value) return take(set, element);
     if (!*rest) return fail(set, "name a member of it, as in sensors/cam/focalLength");
-    if (!json_is_object(element)) return fail(set, "the element is no object");
+    if (!json_is_object(element)) return fail(set, "the element must be an object");
     if (json_is_object(own) && strcmp(set->collection, "materials") == 0 &&
         !json_object_get(element, key)) {
         set->own = true;
@@ -330,7 +330,7 @@ mcv_result mcv_overrides_apply(mcv_overrides overrides, json_t *root, const mcv_
         set.value = json_loads(equals + 1, JSON_DECODE_ANY, NULL);
         if (!set.value) set.value = json_string(equals + 1);
         const mcv_result result = !set.path    ? mcv_fail_memory(file, error)
-                                  : !set.value ? fail(&set, "the value is no UTF-8 text")
+                                  : !set.value ? fail(&set, "the value must be UTF-8 text")
                                                : follow(&set, root);
         json_decref(set.value);
         free(set.path);

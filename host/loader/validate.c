@@ -193,7 +193,7 @@ static mcv_result check_scenes(const json_t *root, const uint32_t *parents, uint
                                    "node %u is a child of node %u, but a scene lists roots", index,
                                    parents[index]);
             if (listed[index] == i)
-                return mcv_fail_at(&nodes_place, error, "node %u stands there twice", index);
+                return mcv_fail_at(&nodes_place, error, "node %u occurs twice", index);
             listed[index] = (uint32_t)i;
         }
     }

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Parses a command line; what --device and --precision ask for together. */
+/* Parses a command line, and combines --device and --precision. */
 #include "options/option_table.h"
 
 #include "render/render.h"
@@ -11,9 +11,9 @@
 static bool is_option(const char *text) { return text[0] == '-' && text[1] != '\0'; }
 
 /*
- * The option at argv[*i], its value included: --name=value, --name value, -o value, -ovalue. Not by
- * getopt_long, which takes any beginning of a name: what --s means would then change with each new
- * option.
+ * Parses the option at argv[*i] with its value: --name=value, --name value, -o value, -ovalue.
+ * getopt_long is not used, because it accepts any prefix of a name: the meaning of --s would change
+ * with each new option.
  */
 static mcv_result parse_option(char **argv, int argc, int *i, mcv_command *command,
                                mcv_error *error) {
@@ -116,16 +116,18 @@ mcv_result mcv_precision_read(const mcv_command *command, uint32_t *precision, m
     if (command->precision == MCV_PRECISION_MIXED && is_reference(command->device))
         return mcv_fail(
             error, MCV_USAGE,
-            "--precision mixed is for OpenCL devices: the reference renderer knows double only");
+            "--precision mixed is for OpenCL devices: the reference renderer computes in double "
+            "only");
     if (command->precision == MCV_PRECISION_DOUBLE && command->device &&
         !is_reference(command->device))
         return mcv_fail(
             error, MCV_USAGE,
-            "--precision double is the reference renderer's, on the host: leave out --device %s",
+            "--precision double runs the reference renderer, on the host: leave out --device %s",
             command->device);
     if (command->precision == MCV_PRECISION_DOUBLE && command->schedule)
-        return mcv_fail(error, MCV_USAGE,
-                        "--precision double is the reference renderer's, which has no --schedule: "
-                        "leave it out");
+        return mcv_fail(
+            error, MCV_USAGE,
+            "--precision double runs the reference renderer, which has no --schedule: leave it "
+            "out");
     return MCV_OK;
 }

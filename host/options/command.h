@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A command line as it was given: its verb, its arguments and the value of each option. */
+/* A parsed command line: its verb, its arguments and the value of each option. */
 #ifndef MCVISI_HOST_OPTIONS_COMMAND_H
 #define MCVISI_HOST_OPTIONS_COMMAND_H
 
@@ -30,7 +30,7 @@ typedef struct mcv_command {
     unsigned verb;
     int argc; /* as given */
     char **argv;
-    const char *argument; /* the scene, the image, or help's verb; NULL where left out */
+    const char *argument; /* the scene, the image, or help's verb; NULL if not given */
     const char *second;   /* the second argument of verbs that have one */
     bool help;            /* --help after the verb */
 #define MCV_X(kind, field, ...) MCV_OPTION_FIELD_##kind(field)
@@ -44,16 +44,19 @@ mcv_result mcv_command_parse(int argc, char **argv, mcv_command *command, mcv_er
 void mcv_command_free(mcv_command *command);
 
 /*
- * The options of the command's verb that can be told from the default, by their names, as texts and
- * lists of texts such as stand on the command line; without those of `without` (names, NULL at the
- * end) and flags. NULL without memory.
+ * The options of the command's verb that can be told from the default, by their names, as texts,
+ * numbers and lists of texts such as stand on the command line; without those of `without` (names,
+ * NULL at the end) and flags, which mcv_command_flags adds. NULL without memory.
  */
 json_t *mcv_command_json(const mcv_command *command, const char *const *without);
 
+/* Adds the flags that are set, as true; "json" also where it is not. */
+void mcv_command_flags(const mcv_command *command, json_t *options);
+
 /*
- * The given command line with its argument replaced and the members of such an object put before it
- * as options: where both say something, the line as given counts. Values may be texts, numbers,
- * true, or lists of them, and are checked when the line is parsed. Freed by mcv_arguments_free.
+ * The command line with its argument replaced and the members of such an object inserted before it
+ * as options; the command line has precedence. Values may be strings, numbers, true, or lists of
+ * them; they are checked when the line is parsed. Freed by mcv_arguments_free.
  */
 typedef struct mcv_arguments {
     char **items;
@@ -65,7 +68,8 @@ void mcv_arguments_free(mcv_arguments *arguments);
 
 /* Options of a verb as the library takes them: a JSON object as text, NULL or "" for none. */
 typedef struct mcv_options_given {
-    mcv_command command; /* its texts are those of the line */
+    mcv_command command; /* its texts are those of the line; json is true unless the text says
+                            "json": false */
     mcv_arguments line;
 } mcv_options_given;
 
@@ -80,8 +84,8 @@ mcv_result mcv_options_read(const char *text, const json_t *defaults, unsigned v
                             mcv_options_given *given, mcv_error *error);
 void mcv_options_free(mcv_options_given *given);
 
-/* Whether the reference renderer is asked for, by --device or by --precision; and MCV_USAGE for
- * options that contradict that. */
+/* Whether --device or --precision requests the reference renderer; MCV_USAGE for contradictory
+ * options. */
 bool mcv_wants_reference(const mcv_command *command);
 mcv_result mcv_precision_read(const mcv_command *command, uint32_t *precision, mcv_error *error);
 

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* NULL: as by default. */
+/* NULL: the value is the default. */
 static json_t *value_json(const mcv_option *o, const mcv_command *command,
                           const mcv_command *defaults) {
     const void *field = (const char *)command + o->offset,
@@ -73,6 +73,16 @@ json_t *mcv_command_json(const mcv_command *command, const char *const *without)
     return object;
 }
 
+void mcv_command_flags(const mcv_command *command, json_t *options) {
+    for (size_t i = 0; i < MCV_OPTION_COUNT; ++i) {
+        const mcv_option *o = mcv_options + i;
+        if (o->kind != MCV_KIND_flag || !(o->verbs >> command->verb & 1)) continue;
+        const bool set = *(const bool *)((const char *)command + o->offset);
+        if (set || strcmp(o->name, "json") == 0)
+            json_object_set_new(options, o->name, json_boolean(set));
+    }
+}
+
 static mcv_result add_argument(mcv_arguments *arguments, char *text, mcv_error *error) {
     char **items =
         text ? realloc(arguments->items, ((size_t)arguments->count + 2) * sizeof *items) : NULL;
@@ -102,7 +112,7 @@ static mcv_result add_value(mcv_arguments *arguments, const char *path, const ch
         length = asprintf(&text, "--%s", key);
     else
         return mcv_fail(error, MCV_BAD_INPUT,
-                        "%s: %s: must be a text, a number, true, false or a list of them", path,
+                        "%s: %s: must be a string, a number, true, false or a list of them", path,
                         key);
     return add_argument(arguments, length < 0 ? NULL : text, error);
 }
@@ -185,12 +195,12 @@ void mcv_arguments_free(mcv_arguments *arguments) {
 }
 
 static mcv_result read_texts(const char *text, const json_t *defaults, unsigned verb,
-                             const char *const arguments[2], mcv_arguments *line,
+                             const char *const arguments[2], mcv_arguments *line, bool *people,
                              mcv_error *error) {
     json_error_t wrong;
     json_t *object = text && text[0] ? json_loads(text, JSON_REJECT_DUPLICATES, &wrong) : NULL;
     if (text && text[0] && !object)
-        return mcv_fail(error, MCV_USAGE, "options: line %d column %d is no JSON: %s", wrong.line,
+        return mcv_fail(error, MCV_USAGE, "options: line %d column %d is not JSON: %s", wrong.line,
                         wrong.column, mcv_json_wrong(&wrong));
     mcv_result result =
         !object || json_is_object(object)
@@ -209,6 +219,7 @@ static mcv_result read_texts(const char *text, const json_t *defaults, unsigned 
     if (result == MCV_OK) result = add_argument(line, strdup("--"), error);
     for (int i = 0; i < 2 && arguments[i] && result == MCV_OK; ++i)
         result = add_argument(line, strdup(arguments[i]), error);
+    *people = json_is_false(json_object_get(object, "json"));
     json_decref(object);
     return result == MCV_BAD_INPUT ? MCV_USAGE : result;
 }
@@ -217,7 +228,8 @@ mcv_result mcv_options_read(const char *text, const json_t *defaults, unsigned v
                             const char *const arguments[2], const char *const *without,
                             mcv_options_given *given, mcv_error *error) {
     *given = (mcv_options_given){0};
-    mcv_result result = read_texts(text, defaults, verb, arguments, &given->line, error);
+    bool people = false;
+    mcv_result result = read_texts(text, defaults, verb, arguments, &given->line, &people, error);
     for (int i = 2; without && i < given->line.count && result == MCV_OK; ++i)
         for (const char *const *name = without; *name; ++name) {
             const char *item = given->line.items[i];
@@ -232,6 +244,7 @@ mcv_result mcv_options_read(const char *text, const json_t *defaults, unsigned v
         result = mcv_command_parse(given->line.count, given->line.items, &given->command, &detail);
         if (result != MCV_OK) mcv_fail(error, result, "options: %s", detail.text);
     }
+    given->command.json = !people;
     if (result != MCV_OK) mcv_options_free(given);
     return result;
 }

@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-/* Of one value; flags are true or left out. */
+/* The schema of one value; flags are true or absent. */
 static json_t *option_schema(const mcv_option *o) {
     switch (o->kind) {
     case MCV_KIND_flag:
@@ -45,13 +45,13 @@ json_t *mcv_verb_schema(unsigned verb_index) {
     if (experiment) {
         json_object_set_new(properties, "rig",
                             json_pack("{s:s, s:s}", "type", "string", "description",
-                                      "the scene, from this file's folder"));
+                                      "the scene, relative to this file's folder"));
         json_object_set_new(properties, "note",
                             json_pack("{s:s, s:s}", "type", "string", "description", "a comment"));
         json_object_set_new(
             properties, "fingerprint",
             json_pack("{s:s, s:s}", "type", "string", "description",
-                      "of the scene's files, as a sweep writes it beside its table"));
+                      "fingerprint of the scene's files, which a sweep writes beside its table"));
     }
     for (size_t i = 0; i < MCV_OPTION_COUNT; ++i) {
         if (!(mcv_options[i].verbs >> verb_index & 1)) continue;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The tables of verbs and options, and who is found in them. */
+/* The tables of verbs and options, and look-ups in them. */
 #include "options/option_table.h"
 
 #include "scene/params.h"

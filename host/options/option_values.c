@@ -9,8 +9,8 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* A decimal integer that ends where `end` (a set of letters, or "" for the end of the text) begins.
- */
+/* A decimal integer, followed by one of the letters in `end` (or, for "", by the end of the
+ * text). */
 static bool parse_count(const char **text, char end, double min, double max, uint64_t *value) {
     const size_t digits = strspn(*text, "0123456789");
     if (digits == 0 || digits > 18 || (*text)[digits] != end) return false;
@@ -27,7 +27,7 @@ static bool parse_pair(const char *text, char between, double min, double max, u
 static bool parse_number(const char *text, double *value) {
     char *end;
     if (text[strspn(text, "0123456789.eE+-")])
-        return false; /* strtod would take "inf", "nan" and hexadecimal too */
+        return false; /* strtod also accepts "inf", "nan" and hexadecimal numbers */
     *value = strtod(text, &end);
     return end != text && *end == '\0' && isfinite(*value);
 }
@@ -53,7 +53,7 @@ static bool parse_time(const char *text, double *value) {
     return false;
 }
 
-/* With a unit where the kind of option has one. */
+/* A number, with a unit if the kind of option has one. */
 static bool parse_number_in(mcv_option_kind kind, const char *text, double min, double max,
                             double *value) {
     const bool parsed =

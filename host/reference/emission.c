@@ -15,6 +15,17 @@ static double cone_of(const mcv_emitter *emitter) {
                : 0;
 }
 
+/* The share of its radiance that an emitter's surface sends at an angle from its normal. */
+static double share_at(const mcv_emitter *emitter, double angle) {
+    switch (emitter->type) {
+    case MCV_EMITTER_PARALLEL:
+    case MCV_EMITTER_TELECENTRIC_PROJECTOR:
+        return angle <= cone_of(emitter) ? 1 : 0;
+    default:
+        return 1;
+    }
+}
+
 static void triangle_of(const mcv_scene *scene, uint32_t instance, uint32_t local,
                         ref_vec corner[3]) {
     double corners[3][3];
@@ -180,12 +191,14 @@ void ref_emitted(const mcv_scene *scene, const ref_surface *surface, ref_vec dir
     if (!(ref_dot(direction, surface->normal) > 0) || !(ref_dot(direction, surface->geometric) > 0))
         return;
     const mcv_emitter *emitter = &scene->emitters[index];
-    if (cone_of(emitter) > 0 && ref_angle(direction, surface->normal) > cone_of(emitter)) return;
+    const double share = share_at(emitter, ref_angle(direction, surface->normal));
+    if (share == 0) return;
     const bool shows = emitter->type == MCV_EMITTER_TELECENTRIC_PROJECTOR ||
                        emitter->type == MCV_EMITTER_LIGHT_FIELD_EMITTER ||
                        emitter->type == MCV_EMITTER_PROJECTOR;
     ref_texture_lookup(scene, shows ? MCV_NONE : emitter->texture, surface->texcoord, radiance);
-    for (int channel = 0; channel < 3; ++channel) radiance[channel] *= emitter->radiance[channel];
+    for (int channel = 0; channel < 3; ++channel)
+        radiance[channel] *= share * emitter->radiance[channel];
     if (shows) show_image(scene, emitter, surface, direction, radiance);
 }
 

@@ -1,16 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* How much of a sensor's pupil, or of a light field camera's directions, an emitter that shines
- * into a cone fills. */
+/* The share of a sensor's pupil, or of a light field camera's directions, that an emitter with a
+ * cone fills. */
 #ifndef MCVISI_HOST_REFERENCE_FILLING_H
 #define MCVISI_HOST_REFERENCE_FILLING_H
 
 #include "scene/scene.h"
 
 /*
- * Of the rays of sight of a grid of pixels and places on the aperture that meet the emitter before
- * anything else, so without optics between, the share that its cone lights. Of a light field
- * camera: of the pixels (direction j, k of a macro pixel) with such a ray those with one that is
- * lit.
+ * Camera rays from a grid of pixels and aperture points that hit the emitter first, without optics
+ * between; `share` is the share of them that its cone lights. For a light field camera: of the
+ * pixels (direction j, k of a macro pixel) with such a ray, the share with a lit one.
  */
 typedef struct ref_filling {
     uint32_t emitter; /* of the scene */
@@ -19,8 +18,8 @@ typedef struct ref_filling {
 
 /*
  * The sensor's fillings, one for each parallel emitter, telecentric projector and light field
- * emitter that it faces; the caller frees them. At most some 10^5 rays, random in a fixed order, so
- * a share below 10^-4 may read 0. Fails only without memory.
+ * emitter that faces it; the caller frees them. It uses some 10^5 rays, random in a fixed order, so
+ * a share below 10^-4 may be 0. Fails only without memory.
  */
 mcv_result ref_sensor_fillings(const mcv_scene *scene, uint32_t sensor, ref_filling **fillings,
                                uint32_t *count, mcv_error *error);

@@ -2,10 +2,10 @@
 /*
  * The scene's triangles in the world, in double, under a binary tree of boxes.
  *
- * A ray crosses a closed surface as often inwards as outwards, even through its edges and vertices:
- * all triangles compute the same edge function for a shared edge, up to the sign, and one that is
- * zero is taken as if the ray were moved aside by an infinitesimal step, the same for all. Equal
- * distances: the lowest triangle number wins.
+ * A ray crosses a closed surface inwards as often as outwards, even through its edges and vertices.
+ * All triangles compute the same edge function for a shared edge, up to the sign. A zero counts as
+ * if the ray were moved by an infinitesimal step, the same for all triangles. At equal distances
+ * the lowest triangle index wins.
  */
 #ifndef MCVISI_HOST_REFERENCE_GEOMETRY_H
 #define MCVISI_HOST_REFERENCE_GEOMETRY_H
@@ -30,8 +30,7 @@ typedef struct ref_geometry {
     ref_triangle *triangles; /* in the order of the tree */
     ref_node *nodes;         /* nodes[0] is the root; NULL for a scene without triangles */
     ref_triangle *pieces;    /* of the scene's solids */
-    double touch; /* faces that are no farther apart are in the same place: the rounding of float32
-                     vertices [m] */
+    double touch; /* faces at most this far apart coincide: the rounding of float32 vertices [m] */
 } ref_geometry;
 
 typedef struct ref_hit {
@@ -47,14 +46,14 @@ typedef struct ref_skip {
     uint32_t count, numbers[REF_SKIPS];
 } ref_skip;
 
-/* What shading needs to know of a hit. */
+/* The surface at a hit, for shading. */
 typedef struct ref_surface {
     ref_vec position;
     ref_vec geometric; /* unit normal of the triangle, on its front side */
     ref_vec normal; /* unit, interpolated from the vertices, on the front side as the file has it */
     double texcoord[2][2]; /* of two sets; 0 where the mesh has none */
     ref_vec tangent;       /* unit, at right angles to the normal; zero where the mesh has none */
-    double hand;           /* 1 or -1: which way the bitangent points, from normal x tangent */
+    double hand;           /* 1 or -1: the sign of the bitangent, from normal x tangent */
     uint32_t instance;
     uint32_t number; /* of the triangle */
 } ref_surface;
@@ -63,26 +62,27 @@ typedef struct ref_surface {
 mcv_result ref_geometry_new(const mcv_scene *scene, ref_geometry *geometry, mcv_error *error);
 void ref_geometry_free(ref_geometry *geometry);
 
-/* The closest hit with distance > 0, not on the triangle numbered `skip` (where the ray starts;
- * MCV_NONE: nowhere). */
+/* The closest hit with distance > 0, except on the triangle `skip`, where the ray starts (MCV_NONE:
+ * none). */
 bool ref_closest_hit(const ref_geometry *geometry, ref_vec origin, ref_vec direction, uint32_t skip,
                      ref_hit *hit);
 
-/* The same, not on any of those triangles. */
+/* The same, except on any of those triangles. */
 bool ref_next_hit(const ref_geometry *geometry, ref_vec origin, ref_vec direction,
                   const ref_skip *skip, ref_hit *hit);
 
 /*
- * The hits of dielectric bodies' surfaces that are in the same place as the given one, itself the
- * first of them, in their order along the ray; returns how many. One by itself unless its material
- * is a dielectric, too.
+ * The hits on dielectric bodies that coincide with the given one, which is the first of them, in
+ * their order along the ray; returns their number. It is 1 if the given material is not a
+ * dielectric.
  */
 uint32_t ref_hits_together(const ref_geometry *geometry, ref_vec origin, ref_vec direction,
                            const ref_skip *skip, const ref_hit *hit, ref_hit hits[REF_SKIPS]);
 
 /*
- * Adds to winding[i], for each instance i, the number of its surfaces that the ray leaves minus
- * those it enters: for closed surfaces how often they surround the origin, whatever the direction.
+ * Adds to winding[i], for each instance i, the number of its surfaces that the ray leaves minus the
+ * number that it enters. For closed surfaces this is how often they surround the origin, in any
+ * direction.
  */
 void ref_add_windings(const ref_geometry *geometry, ref_vec origin, ref_vec direction,
                       int *winding);

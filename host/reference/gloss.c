@@ -1,351 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "reference/gloss.h"
 
-#include <complex.h>
-#include <stdlib.h>
-
-#include "mcvisi/materials/microfacet.h"
-#include "reference/interface.h"
-#include "device/multiple.h"
-#include "scene/materials.h"
-
-enum { COSINES = 100, AZIMUTHS = 25, ROUGHNESSES = 33, NORMALS = 64 };
-
-/* Narrower microfacet distributions are as narrow as this, and interfaces that spread light less
- * than this are smooth (docs/limitations.md). */
-static const double least_alpha = 1e-3, least_spread = 1e-5;
-
-static void alphas(const mcv_roughness *roughness, double share, double alpha[2]) {
-    const double r = roughness->roughness * share, s = roughness->anisotropy;
-    alpha[1] = fmax(r * r, least_alpha);
-    alpha[0] = alpha[1] + (1 - alpha[1]) * s * s;
-}
-
-/* Smith's Λ, by the roughness that the direction's azimuth sees. */
-static double lambda(const double alpha[2], ref_vec w) {
-    const double slope = hypot(alpha[0] * w.x, alpha[1] * w.y) / fabs(w.z);
-    return (sqrt(1 + slope * slope) - 1) / 2;
-}
-
-/*
- * The mean, over the heights at which light meets microfacets first, of being seen from two
- * directions of these Λ; on opposite sides what lies high for the one lies low for the other (Heitz
- * and others 2016).
- */
-static double seen_from(double a, double b, bool opposite) {
-    return opposite ? exp(lgamma(1 + a) + lgamma(1 + b) - lgamma(2 + a + b)) : 1 / (1 + a + b);
-}
-
-static double distribution(const double alpha[2], ref_vec h) {
-    const double x = h.x / (alpha[0] * h.z), y = h.y / (alpha[1] * h.z), t = 1 + x * x + y * y;
-    return 1 / (M_PI * alpha[0] * alpha[1] * pow(h.z, 4) * t * t);
-}
-
-static ref_vec reflected(ref_vec o, ref_vec h) {
-    return ref_sub(ref_scale(2 * ref_dot(o, h), h), o);
-}
-
-/* False: total reflection. */
-static bool refracted(ref_vec o, ref_vec h, double ratio, ref_vec *i) {
-    const ref_vec along = ref_scale(-ratio, ref_sub(o, ref_scale(ref_dot(o, h), h)));
-    const double squared = ref_dot(along, along);
-    if (squared >= 1) return false;
-    *i = ref_sub(along, ref_scale(sqrt(1 - squared), h));
-    return true;
-}
-
-double ref_conductor_reflectance(double n, double k, double cosine) {
-    const double complex square = (n - k * I) * (n - k * I),
-                         other = csqrt(square - (1 - cosine * cosine));
-    const double s = cabs((cosine - other) / (cosine + other)),
-                 p = cabs((square * cosine - other) / (square * cosine + other));
-    return (s * s + p * p) / 2;
-}
-
-static double unpolarised(double from, double to, double cosine) {
-    double s, p;
-    ref_fresnel(from, to, fmin(cosine, 1), &s, &p);
-    return (s + p) / 2;
-}
-
-/*
- * The words of the entry for two directions, of n cosines; `roughness` counts the tables. In
- * between by lines, and by triangles among the two cosines.
- */
-static void orders_at(const float *orders, int n, double roughness, ref_vec o, ref_vec i,
-                      double words[MCV_MULTIPLE_WORDS]) {
-    enum { M = MCV_MULTIPLE_AZIMUTHS, LAST = MCV_MULTIPLE_ROUGHNESSES - 1 };
-    const double z[2] = {fmin(o.z, 1), fmin(fabs(i.z), 1)}, sum = z[0] + z[1] + MCV_MULTIPLE_LEAST;
-    const double turn = atan2(o.y, o.x) - atan2(i.y, i.x), c = fabs(cos(turn / 2));
-    const double entry = (M - 1) * c * (1 + sum) / (c + sum);
-    double place[2], share[2];
-    for (int k = 0; k < 2; ++k) place[k] = (n - 1) * sqrt(z[k]) / (sqrt(z[k]) + sqrt(1 - z[k]));
-    const int low[2] = {(int)fmin(place[0], n - 2), (int)fmin(place[1], n - 2)},
-              first = (int)fmin(entry, M - 2);
-    for (int k = 0; k < 2; ++k) share[k] = place[k] - low[k];
-    const bool below = share[0] > share[1];
-    const int corners[3][2] = {{0, 0}, {below, !below}, {1, 1}};
-    const double most = fmax(share[0], share[1]), least = fmin(share[0], share[1]),
-                 weights[3] = {1 - most, most - least, least};
-    const int layer = (int)fmin(roughness, LAST - 1);
-    for (int word = 0; word < MCV_MULTIPLE_WORDS; ++word) words[word] = 0;
-    for (int k = 0; k < 12; ++k) {
-        const int corner = k / 4, next = k & 1, above = k >> 1 & 1;
-        const double weight = weights[corner] * (next ? entry - first : 1 - (entry - first)) *
-                              (above ? roughness - layer : 1 - (roughness - layer));
-        if (weight == 0) continue;
-        const float *at =
-            orders + (size_t)(layer + above) * mcv_multiple_words() +
-            MCV_MULTIPLE_WORDS *
-                (((low[0] + corners[corner][0]) * n + low[1] + corners[corner][1]) * M + first +
-                 next);
-        for (int word = 0; word < MCV_MULTIPLE_WORDS; ++word)
-            words[word] += weight * (double)at[word];
-    }
-}
-
-/* --- albedos
- * ----------------------------------------------------------------------------------------------------
- */
-
-/*
- * What leaves of the light from o, over all microfacet normals: D(h) h_z dh is uniform in the
- * azimuth and in u = tan²θ/(α² + tan²θ). The tail u -> 1 has facets that stand upright, seen far
- * larger than they lie: u = 1 - (1 - v)^4 tames it. Reflection: all of it, and (1 - c)^5 of it.
- * Interface (from > 0): what is reflected and refracted together.
- */
-static void integrate(const double alpha[2], ref_vec o, double from, double to, double coating,
-                      double sums[2]) {
-    const double own = lambda(alpha, o);
-    sums[0] = sums[1] = 0;
-    for (int a = 0; a < NORMALS; ++a) {
-        const double phi = 2 * M_PI * (a + 0.5) / NORMALS;
-        for (int b = 0; b < NORMALS; ++b) {
-            const double v = (b + 0.5) / NORMALS, left = (1 - v) * (1 - v),
-                         slope = sqrt((1 - left * left) / (left * left));
-            const ref_vec h =
-                ref_unit((ref_vec){alpha[0] * slope * cos(phi), alpha[1] * slope * sin(phi), 1});
-            const double c = ref_dot(o, h);
-            if (!(c > 0)) continue;
-            const double seen = 4 * (1 - v) * left * c / (o.z * h.z) / (NORMALS * NORMALS);
-            const ref_vec r = reflected(o, h);
-            const double kept = r.z > 0 ? seen * seen_from(own, lambda(alpha, r), false) : 0;
-            if (!(from > 0)) {
-                sums[0] += kept;
-                sums[1] += kept * pow(1 - c, 5);
-                continue;
-            }
-            const double fresnel = ref_coated(unpolarised(from, to, c), coating, from, to);
-            ref_vec t;
-            const bool passes = refracted(o, h, from / to, &t) && t.z < 0;
-            sums[0] += fresnel * kept +
-                       (passes ? (1 - fresnel) * seen * seen_from(own, lambda(alpha, t), true) : 0);
-        }
-    }
-}
-
-static double cosine_at(uint32_t c) { return fmax(pow(c / (COSINES - 1.0), 2), 1e-5); }
-
-/* The pair for a direction, interpolated; at a roughness as a share of the material's. */
-static void look_up(const ref_albedos *albedos, ref_vec w, double roughness, double pair[2]) {
-    const double places[3] = {roughness * (albedos->roughnesses - 1),
-                              atan2(fabs(w.y), fabs(w.x)) / (M_PI / 2) * (albedos->azimuths - 1),
-                              sqrt(fabs(w.z)) * (COSINES - 1)};
-    const uint32_t sizes[3] = {albedos->roughnesses, albedos->azimuths, COSINES};
-    pair[0] = pair[1] = 0;
-    for (int corner = 0; corner < 8; ++corner) {
-        double weight = 1;
-        size_t at = 0;
-        for (int axis = 0; axis < 3; ++axis) {
-            const double low = fmin(floor(places[axis]), fmax(sizes[axis] - 2.0, 0)),
-                         share = places[axis] - low;
-            const bool next = corner >> axis & 1;
-            weight *= next ? share : 1 - share;
-            at = at * sizes[axis] + (size_t)fmin(low + next, sizes[axis] - 1.0);
-        }
-        for (int k = 0; k < 2; ++k) pair[k] += weight * albedos->pairs[2 * at + (size_t)k];
-    }
-}
-
-static void mean_at(const ref_albedos *albedos, double roughness, double pair[2]) {
-    const double place = roughness * (albedos->roughnesses - 1),
-                 low = fmin(floor(place), fmax(albedos->roughnesses - 2.0, 0));
-    const size_t first = (size_t)low, second = (size_t)fmin(low + 1, albedos->roughnesses - 1.0);
-    for (size_t k = 0; k < 2; ++k)
-        pair[k] = (1 - (place - low)) * albedos->means[2 * first + k] +
-                  (place - low) * albedos->means[2 * second + k];
-}
-
-static bool albedos_new(ref_albedos *albedos, const mcv_material *material, double outside) {
-    const mcv_roughness roughness = mcv_material_roughness(material);
-    albedos->azimuths = roughness.anisotropy > 0 ? AZIMUTHS : 1;
-    albedos->roughnesses = mcv_material_surface_texture(material) != MCV_NONE ? ROUGHNESSES : 1;
-    albedos->pairs =
-        malloc(2 * sizeof(double) * albedos->roughnesses * albedos->azimuths * COSINES);
-    albedos->means = calloc(albedos->roughnesses, 2 * sizeof(double));
-    if (!albedos->pairs || !albedos->means) return false;
-    double *pair = albedos->pairs;
-    for (uint32_t r = 0; r < albedos->roughnesses; ++r) {
-        double alpha[2];
-        const double share = albedos->roughnesses > 1 ? r / (ROUGHNESSES - 1.0) : 1;
-        alphas(&roughness, share, alpha);
-        for (uint32_t a = 0; a < albedos->azimuths; ++a)
-            for (uint32_t c = 0; c < COSINES; ++c, pair += 2) {
-                const double phi = albedos->azimuths > 1 ? M_PI / 2 * a / (AZIMUTHS - 1) : 0,
-                             z = cosine_at(c), sine = sqrt(1 - z * z);
-                const ref_vec o = {sine * cos(phi), sine * sin(phi), z};
-                if (outside > 0) {
-                    double both[2];
-                    const double coating = mcv_material_coating(material, outside);
-                    integrate(alpha, o, outside, material->as.dielectric.ior[MCV_ALBEDO_CHANNEL],
-                              coating, both);
-                    pair[0] = fmin(both[0], 1);
-                    integrate(alpha, o, material->as.dielectric.ior[MCV_ALBEDO_CHANNEL], outside,
-                              coating, both);
-                    pair[1] = fmin(both[0], 1);
-                } else {
-                    integrate(alpha, o, 0, 0, 0, pair);
-                }
-            }
-    }
-    for (uint32_t r = 0; r < albedos->roughnesses;
-         ++r) { /* looking up reads the next roughness too */
-        enum { STEPS = 1000, TURNS = 32 };
-        const double share = albedos->roughnesses > 1 ? r / (ROUGHNESSES - 1.0) : 1;
-        double total = 0;
-        for (int turn = 0; turn < TURNS; ++turn)
-            for (int step = 0; step < STEPS; ++step) {
-                const double phi = M_PI / 2 * (turn + 0.5) / TURNS, z = (step + 0.5) / STEPS,
-                             sine = sqrt(1 - z * z);
-                double at[2];
-                look_up(albedos, (ref_vec){sine * cos(phi), sine * sin(phi), z}, share, at);
-                for (int k = 0; k < 2; ++k) albedos->means[2 * r + (uint32_t)k] += z * at[k];
-                total += z;
-            }
-        for (int k = 0; k < 2; ++k) albedos->means[2 * r + (uint32_t)k] /= total;
-    }
-    return true;
-}
-
-/* Tables of multiple scattering at each roughness, where the material is a metal or glass that has
- * no direction. */
-static bool orders_new(const mcv_material *material, double outside, float **orders) {
-    const mcv_roughness roughness = mcv_material_roughness(material);
-    const bool conductor = material->type == MCV_MATERIAL_CONDUCTOR,
-               layered = material->type == MCV_MATERIAL_METALLIC_ROUGHNESS;
-    const double *n = conductor ? material->as.conductor.n : NULL,
-                 *k = conductor ? material->as.conductor.k : NULL;
-    const uint32_t count =
-        mcv_material_surface_texture(material) != MCV_NONE ? MCV_MULTIPLE_ROUGHNESSES : 1;
-    bool made = true;
-    *orders = NULL;
-    if (roughness.anisotropy > 0 ||
-        !(outside > 0 || conductor || (layered && material->as.metallic_roughness.metallic > 0)))
-        return true;
-    *orders = malloc(sizeof(float) * (outside > 0 ? mcv_interface_words() : mcv_multiple_words()) *
-                     count);
-    for (uint32_t i = 0; *orders && i < count; ++i) {
-        double alpha[2];
-        alphas(&roughness, count > 1 ? i / (count - 1.0) : 1, alpha);
-        float *table = *orders + (size_t)i * mcv_multiple_words();
-        made =
-            made &&
-            (outside > 0 ? mcv_multiple_interface(alpha[1], outside,
-                                                  material->as.dielectric.ior[MCV_ALBEDO_CHANNEL],
-                                                  mcv_material_coating(material, outside), table)
-                         : mcv_multiple_reflection(alpha[1], n, k, table));
-    }
-    return *orders && made;
-}
-
-static bool add_table(ref_gloss_tables *tables, const mcv_scene *scene, uint32_t material,
-                      double outside) {
-    const mcv_material *from = &scene->materials[material];
-    for (uint32_t i = 0; i < tables->count; ++i)
-        if (tables->items[i].material == material && tables->items[i].outside == outside)
-            return true;
-    ref_gloss_table *items = realloc(tables->items, (tables->count + (size_t)1) * sizeof *items);
-    if (!items) return false;
-    tables->items = items;
-    ref_gloss_table *table = &items[tables->count++];
-    *table = (ref_gloss_table){.material = material, .outside = outside};
-    if (!orders_new(from, outside, &table->orders) || !albedos_new(&table->albedos, from, outside))
-        return false;
-    for (int channel = 0; from->type == MCV_MATERIAL_CONDUCTOR && channel < 3; ++channel) {
-        enum { STEPS = 2000 };
-        const double escape = table->albedos.means[0];
-        double mean = 0;
-        for (int i = 0; i < STEPS; ++i) {
-            const double cosine = (i + 0.5) / STEPS;
-            mean += 2 * cosine / STEPS *
-                    ref_conductor_reflectance(from->as.conductor.n[channel],
-                                              from->as.conductor.k[channel], cosine);
-        }
-        table->multiple[channel] = mean * mean * escape / (1 - mean * (1 - escape));
-    }
-    return true;
-}
-
-mcv_result ref_gloss_tables_new(const mcv_scene *scene, ref_gloss_tables *tables,
-                                mcv_error *error) {
-    *tables = (ref_gloss_tables){0};
-    bool made = true;
-    for (uint32_t i = 0; i < scene->instance_count && made; ++i) {
-        const uint32_t material = scene->instances[i].material;
-        const mcv_material *from = &scene->materials[material];
-        if (!mcv_material_is_rough(from)) continue;
-        if (from->type != MCV_MATERIAL_DIELECTRIC) {
-            made = add_table(tables, scene, material, 0);
-            continue;
-        }
-        made = add_table(tables, scene, material, 1);
-        for (uint32_t j = 0; j < scene->instance_count && made; ++j) {
-            const mcv_material *other = &scene->materials[scene->instances[j].material];
-            if (other->type == MCV_MATERIAL_DIELECTRIC &&
-                other->as.dielectric.ior[MCV_ALBEDO_CHANNEL] !=
-                    from->as.dielectric.ior[MCV_ALBEDO_CHANNEL])
-                made = add_table(tables, scene, material,
-                                 other->as.dielectric.ior[MCV_ALBEDO_CHANNEL]);
-        }
-    }
-    return made ? MCV_OK
-                : mcv_fail(error, MCV_FAILED,
-                           "reference renderer: no memory for the glossy materials of %s",
-                           scene->path);
-}
-
-void ref_gloss_tables_free(ref_gloss_tables *tables) {
-    for (uint32_t i = 0; i < tables->count; ++i) {
-        free(tables->items[i].albedos.pairs);
-        free(tables->items[i].albedos.means);
-        free(tables->items[i].orders);
-    }
-    free(tables->items);
-    *tables = (ref_gloss_tables){0};
-}
-
-const ref_gloss_table *ref_gloss_find(const ref_gloss_tables *tables, const mcv_scene *scene,
-                                      uint32_t material, double outside) {
-    const mcv_material *from = &scene->materials[material];
-    const bool dielectric = from->type == MCV_MATERIAL_DIELECTRIC;
-    if (dielectric) {
-        const mcv_roughness roughness = mcv_material_roughness(from);
-        double alpha[2];
-        alphas(&roughness, 1, alpha);
-        if (alpha[1] * fabs(from->as.dielectric.ior[MCV_ALBEDO_CHANNEL] - outside) / outside <
-            least_spread)
-            return NULL;
-    }
-    for (uint32_t i = 0; i < tables->count; ++i)
-        if (tables->items[i].material == material &&
-            tables->items[i].outside == (dielectric ? outside : 0))
-            return &tables->items[i];
-    return NULL;
-}
-
-/* --- lobes
- * ------------------------------------------------------------------------------------------------------
- */
+#include "reference/gloss_microfacet.h"
+#include "reference/gloss_tables.h"
 
 /* The shares of light that a surface seen from o sends along its kinds of lobes; each adds up to
  * the surface's albedo. */
@@ -381,9 +38,9 @@ static lobes lobes_at(const ref_gloss *g, ref_vec o) {
     lobes l = {0};
     double pair[2], mean[2], own[2], average[2];
     const mcv_roughness roughness = mcv_material_roughness(g->material);
-    alphas(&roughness, g->roughness, l.alpha);
-    look_up(&g->table->albedos, o, g->roughness, pair);
-    mean_at(&g->table->albedos, g->roughness, mean);
+    ref_alphas(&roughness, g->roughness, l.alpha);
+    ref_albedos_at(&g->table->albedos, o, g->roughness, pair);
+    ref_albedos_mean(&g->table->albedos, g->roughness, mean);
     weigh(g, pair, own);
     weigh(g, mean, average);
     if (g->material->type == MCV_MATERIAL_DIELECTRIC) {
@@ -441,7 +98,8 @@ static double split(const ref_gloss *g, const lobes *l, double cosine, double re
         passes[c] = 0;
         if (g->material->type == MCV_MATERIAL_DIELECTRIC) {
             const double coating = mcv_material_coating(g->material, g->inside ? g->to : g->from);
-            reflects[c] = ref_coated(unpolarised(g->from, g->to, cosine), coating, g->from, g->to);
+            reflects[c] =
+                ref_coated(ref_unpolarised(g->from, g->to, cosine), coating, g->from, g->to);
             passes[c] = 1 - reflects[c];
         } else if (g->material->type == MCV_MATERIAL_CONDUCTOR) {
             reflects[c] = ref_conductor_reflectance(g->material->as.conductor.n[c] / g->from,
@@ -478,15 +136,15 @@ double ref_gloss_evaluate(const ref_gloss *g, ref_vec o, ref_vec i, double value
         const double jacobian = bends ? g->to * g->to * behind / (length * length) : 1 / (4 * c);
         double reflects[3], passes[3];
         const double chance = split(g, &l, c, reflects, passes);
-        const double facets = distribution(l.alpha, h) * c / o.z * jacobian,
-                     own = lambda(l.alpha, o);
+        const double facets = ref_ggx(l.alpha, h) * c / o.z * jacobian,
+                     own = ref_lambda(l.alpha, o);
         double words[MCV_MULTIPLE_WORDS] = {0};
         if (g->table->orders && !far)
-            orders_at(g->table->orders, glass ? MCV_INTERFACE_COSINES : MCV_MULTIPLE_COSINES,
-                      g->table->albedos.roughnesses > 1
-                          ? g->roughness * (MCV_MULTIPLE_ROUGHNESSES - 1)
-                          : 0,
-                      o, i, words);
+            ref_orders_at(g->table->orders, glass ? MCV_INTERFACE_COSINES : MCV_MULTIPLE_COSINES,
+                          g->table->albedos.roughnesses > 1
+                              ? g->roughness * (MCV_MULTIPLE_ROUGHNESSES - 1)
+                              : 0,
+                          o, i, words);
         for (int channel = 0; g->table->orders && !far && channel < 3; ++channel) {
             const double b = g->base[channel];
             reflects[channel] += glass ? words[g->inside]
@@ -497,19 +155,19 @@ double ref_gloss_evaluate(const ref_gloss *g, ref_vec o, ref_vec i, double value
         }
         for (int channel = 0; channel < 3; ++channel)
             value[channel] = (far ? passes : reflects)[channel] * facets *
-                             seen_from(own, lambda(l.alpha, i), bends);
+                             ref_masking(own, ref_lambda(l.alpha, i), bends);
         density = l.chance[0] * (far ? 1 - chance : chance) * facets / (1 + own);
     }
 
     if (bends && g->table->orders) { /* what goes on from facet to facet and leaves here */
         double words[MCV_MULTIPLE_WORDS];
-        orders_at(g->table->orders, MCV_INTERFACE_COSINES, 0, o, i, words);
-        const double wide =
-            words[2 + g->inside] / (o.z * (1 + lambda(l.alpha, o)) * (1 + lambda(l.alpha, i)));
+        ref_orders_at(g->table->orders, MCV_INTERFACE_COSINES, 0, o, i, words);
+        const double wide = words[2 + g->inside] /
+                            (o.z * (1 + ref_lambda(l.alpha, o)) * (1 + ref_lambda(l.alpha, i)));
         for (int channel = 0; channel < 3; ++channel) value[channel] += wide;
     }
     double pair[2], weights[2];
-    look_up(&g->table->albedos, i, g->roughness, pair);
+    ref_albedos_at(&g->table->albedos, i, g->roughness, pair);
     weigh(g, pair, weights);
     for (int channel = 0; channel < 3; ++channel)
         for (int k = 0; k < 2; ++k)
@@ -545,9 +203,9 @@ ref_vec ref_gloss_sample(const ref_gloss *g, ref_vec o, ref_random *random) {
     double reflects[3], passes[3];
     const ref_vec h = visible_normal(l.alpha, o, random);
     const bool stays = ref_random_unit(random) < split(g, &l, ref_dot(o, h), reflects, passes);
-    ref_vec i = reflected(o, h);
+    ref_vec i = ref_reflected(o, h);
     if (!stays && g->material->type == MCV_MATERIAL_DIELECTRIC)
-        return refracted(o, h, g->from / g->to, &i) && i.z < 0 ? i : none;
+        return ref_refracted(o, h, g->from / g->to, &i) && i.z < 0 ? i : none;
     if (!(i.z > 0)) return none;
     if (!stays) i.z = -i.z;
     return i;

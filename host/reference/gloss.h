@@ -1,11 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Surfaces of microfacets: metals, the layered core material of glTF, rough dielectrics. Normals by
- * GGX, height-correlated masking by Smith (Walter et al. 2007, Heitz 2014), sampled as Heitz (2018)
- * does. What microfacets lose to each other comes back as Kulla and Conty (2017) propose; the
- * albedos that this takes are integrals over all microfacet normals, tabulated here. Metals without
- * a direction send it where walks from microfacet to microfacet do, and glass what it reflects: the
- * table of it is the device's, which test_gloss.c and test_rough_glass.c hold against walks.
+ * Surfaces of microfacets: metals, the layered core material of glTF, rough dielectrics. Normals
+ * have the GGX distribution, masking is Smith's height-correlated function (Walter et al. 2007,
+ * Heitz 2014), sampling is that of Heitz (2018).
+ *
+ * Light lost between microfacets is compensated as Kulla and Conty (2017) propose. This needs
+ * albedos, which are integrals over all microfacet normals and are tabulated here. Isotropic
+ * metals, and reflection at isotropic glass, use the device's table of multiple scattering instead;
+ * test_gloss.c and test_rough_glass.c compare it with random walks.
  *
  * Directions are given in the frame (tangent, bitangent, normal) of the surface; o.z > 0.
  */
@@ -16,8 +18,8 @@
 #include "reference/vector.h"
 #include "scene/scene.h"
 
-/* Two functions of the direction, over cosines, azimuths and roughnesses; of a dielectric, coming
- * from outside and from inside. */
+/* Two functions of the direction, over cosines, azimuths and roughnesses; for a dielectric, from
+ * outside and from inside. */
 typedef struct ref_albedos {
     uint32_t azimuths, roughnesses;
     double *pairs, *means;
@@ -26,11 +28,11 @@ typedef struct ref_albedos {
 /* The albedos of a material and, for a dielectric, of its interface with another index. */
 typedef struct ref_gloss_table {
     uint32_t material;
-    double outside; /* index, 0 but for dielectrics */
+    double outside; /* index outside; 0 except for dielectrics */
     ref_albedos albedos;
-    double multiple[3]; /* conductor: what reflection between microfacets leaves */
-    float *orders;      /* of metal and glass alike in all directions: two and more meetings
-                           (device/multiple.h), per roughness; or NULL */
+    double multiple[3]; /* conductor: light after several reflections between microfacets */
+    float *orders; /* isotropic metals and glass: two and more meetings (device/multiple.h), per
+                      roughness; or NULL */
 } ref_gloss_table;
 
 typedef struct ref_gloss_tables {
@@ -42,7 +44,7 @@ typedef struct ref_gloss_tables {
 mcv_result ref_gloss_tables_new(const mcv_scene *scene, ref_gloss_tables *tables, mcv_error *error);
 void ref_gloss_tables_free(ref_gloss_tables *tables);
 
-/* The material at a place. */
+/* The material at a point. */
 typedef struct ref_gloss {
     const mcv_material *material;
     const ref_gloss_table *table;
@@ -52,8 +54,8 @@ typedef struct ref_gloss {
     bool inside;     /* dielectric: the ray's side is the body */
 } ref_gloss;
 
-/* NULL where the material has no microfacets, or the interface between the two indices none that
- * matter. */
+/* NULL if the material has no microfacets, or if the interface between the two indices is
+ * practically smooth. */
 const ref_gloss_table *ref_gloss_find(const ref_gloss_tables *tables, const mcv_scene *scene,
                                       uint32_t material, double outside);
 

@@ -2,10 +2,10 @@
 /*
  * Smooth interfaces: Snell, Fresnel, reflection. Directions and normals are unit.
  *
- * The triangle's face decides from which side a ray comes and on which it goes on, the interpolated
- * normal the angles. Where they contradict each other (at silhouettes) the face's normal stands in:
- * for all of the event where the ray meets the back of the interpolated normal, for a direction
- * that would leave on the wrong side where only that is so. No light is lost.
+ * The triangle's normal decides from which side a ray comes and on which it continues; the
+ * interpolated normal decides the angles. They may contradict each other at silhouettes. The
+ * triangle's normal is then used instead: for the whole event if the ray hits the back of the
+ * interpolated normal, else for a direction that would leave on the wrong side. No light is lost.
  */
 #ifndef MCVISI_HOST_REFERENCE_INTERFACE_H
 #define MCVISI_HOST_REFERENCE_INTERFACE_H
@@ -31,13 +31,13 @@ void ref_fresnel(double from, double to, double cosine, double *perpendicular, d
  */
 double ref_reflectance(const ref_interaction *interaction, double from, double to);
 
-/* What a coating of that reflectance at normal incidence (0: none) makes of the bare interface's.
- */
+/* The reflectance of an interface with a coating of that reflectance at normal incidence (0: none),
+ * from that of the bare one. */
 double ref_coated(double bare, double coating, double from, double to);
 
 ref_vec ref_reflect(const ref_interaction *interaction);
 
-/* Only below total reflection. Equal indices: the same direction, exactly. */
+/* Only without total reflection. With equal indices the direction stays exactly the same. */
 ref_vec ref_refract(const ref_interaction *interaction, double from, double to);
 
 #endif

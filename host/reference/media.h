@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The media around a point: the dielectric instances that surround it. Of those the one with the
- * largest priority fills the space; among equal priorities the later material, then the later
- * instance. So what fills a place depends on the place alone and not on the path that led there.
+ * The media around a point: the dielectric instances that surround it. The one with the largest
+ * priority fills the space; among equal priorities the later material, then the later instance. The
+ * filling depends on the point alone, not on the path to it.
  */
 #ifndef MCVISI_HOST_REFERENCE_MEDIA_H
 #define MCVISI_HOST_REFERENCE_MEDIA_H
@@ -16,19 +16,19 @@ typedef struct ref_media {
     uint32_t instances[REF_MEDIA_DEPTH];
 } ref_media;
 
-/* The media at a point, by the windings along a ray from it. `winding`: room for one int per
- * instance. Fails if they are too many. */
+/* The media at a point, by the windings along a ray from it. `winding` has one int per instance.
+ * Fails if there are too many media. */
 mcv_result ref_media_at(const ref_geometry *geometry, ref_vec point, int *winding, ref_media *media,
                         mcv_error *error);
 
 /*
- * Media on the two sides of an instance's surface, for a path in *near that meets it from its front
- * or its back. False: *near did not agree with the side (a body left that was never entered, or
- * entered twice); the surface is right, and *near is set to what it says.
+ * The media on the two sides of an instance's surface, for a path in *near that hits it from its
+ * front or back. False: *near contradicts the side (a body that was not entered is left, or one is
+ * entered twice). The surface is then right, and *near is corrected.
  */
 bool ref_media_cross(ref_media *near, ref_media *far, uint32_t instance, bool front);
 
-/* The same for surfaces in the same place, which the path meets all at once. */
+/* The same for coincident surfaces, which the path crosses together. */
 bool ref_media_cross_all(ref_media *near, ref_media *far, uint32_t count, const uint32_t *instances,
                          const bool *fronts);
 

@@ -28,7 +28,7 @@ const ref_emitter *ref_sampled_emitter(const ref_world *world, uint32_t instance
     return NULL;
 }
 
-/* Adds the emission of a surface that the path has met. */
+/* Adds the emission of a surface that the path has hit. */
 static void add_emission(const ref_world *world, const ref_path *p, const ref_surface *surface,
                          const mcv_dielectric_params *filling, double radiance[3]) {
     double emitted[3], weight = 1;
@@ -76,7 +76,8 @@ void ref_path_value(const ref_world *world, const ref_sensor_ray *sensor_ray, re
             double sky[3];
             ref_environment(world->scene, &world->emitters, p.direction, sky);
             for (int channel = 0; channel < 3; ++channel)
-                if (!filling || filling->absorption[channel] == 0) /* it is infinitely far away */
+                if (!filling ||
+                    filling->absorption[channel] == 0) /* the emission is infinitely far away */
                     value[channel] += p.throughput[channel] * sky[channel] /
                                       pow(ref_media_ior(filling, channel), 2);
             break;

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Path tracing from the sensor. A path carries L/n², so that smooth interfaces multiply by their
+ * Path tracing from the sensor. A path carries L/n², so that smooth interfaces multiply it by their
  * transmittances only; its value is n_sensor² Σ throughput · L_e/n_emitter². At an interface the
- * branch is chosen with Fresnel's probability. From surfaces that spread light area and parallel
- * emitters are also sampled, both estimates weighed by the power heuristic (Veach 1997).
+ * branch is chosen with Fresnel's probability. At scattering surfaces area and parallel emitters
+ * are sampled too; the power heuristic weighs both estimates (Veach 1997).
  */
 #ifndef MCVISI_HOST_REFERENCE_PATH_H
 #define MCVISI_HOST_REFERENCE_PATH_H
@@ -20,18 +20,18 @@ typedef struct ref_world {
     ref_emitters emitters;
     ref_gloss_tables gloss;
     ref_media media; /* around the sensor */
-    uint32_t depth;  /* surfaces a path may meet; after the last one no ray is traced */
+    uint32_t depth;  /* largest number of surfaces on a path; no ray is traced after the last one */
     bool sample_emitters;
 } ref_world;
 
-/* What happened along paths. */
+/* Statistics of paths. */
 typedef struct ref_tally {
     uint64_t paths, rays, shadow_rays, depth_cut, nonfinite, unmatched;
     double begun, cut; /* throughput of the paths begun and of those that the depth limit ended,
                           largest channel, times the sensor's weight */
 } ref_tally;
 
-/* Surfaces in the same place, as a path meets them. */
+/* Coincident surfaces that a path hits together. */
 typedef struct ref_hits {
     uint32_t count, instances[REF_SKIPS];
     bool fronts[REF_SKIPS];
@@ -40,20 +40,14 @@ typedef struct ref_hits {
 ref_hits ref_hits_at(const ref_geometry *geometry, ref_vec origin, ref_vec direction,
                      const ref_skip *skip, const ref_hit *hit);
 
-/* Follows one ray of sight: what it adds to its pixel, the radiance that arrives along it times its
- * weight. */
+/* Traces one camera ray: its contribution to the pixel, the incident radiance times its weight. */
 void ref_path_value(const ref_world *world, const ref_sensor_ray *sensor_ray, ref_random *random,
                     ref_tally *tally, double value[3]);
 
-/* mcv_reference_render (reference.h); without sample_emitters, emission is found by chance only:
- * the same image, more noise. */
+/* mcv_reference_render (reference.h). Without sample_emitters, emission is found by hits only: the
+ * same image with more noise. */
 mcv_result ref_render(const mcv_scene *scene, uint32_t sensor, const mcv_render_options *options,
                       bool sample_emitters, mcv_film *film, mcv_render_stats *stats,
                       mcv_error *error);
-
-/* A sheet's reflectance, both interfaces and all reflections between them: R' = 2R/(1 + R). */
-static inline double ref_sheet_reflectance(double reflectance) {
-    return 2 * reflectance / (1 + reflectance);
-}
 
 #endif

@@ -14,7 +14,7 @@ static ref_vec from_frame(const ref_scatterer *s, ref_vec v) {
                    ref_add(ref_scale(v.x, s->x), ref_scale(v.y, s->y)));
 }
 
-/* The chance with which a path stays on its side of a diffuse surface. */
+/* The probability with which a path stays on its side of a diffuse surface. */
 static double reflects(const ref_scatterer *s) {
     const double passed = ref_largest(s->passed);
     return passed > 0 ? ref_largest(s->share) / (ref_largest(s->share) + passed) : 1;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A path of the reference renderer on its way, and its steps (reference/path.c); nothing else calls
- * them. */
+/* The state of a path of the reference renderer, and its steps (reference/path.c); only they use
+ * it. */
 #ifndef MCVISI_HOST_REFERENCE_PATH_STEPS_H
 #define MCVISI_HOST_REFERENCE_PATH_STEPS_H
 
@@ -12,8 +12,8 @@ typedef struct ref_path {
     ref_skip skip; /* the surfaces it starts on */
     ref_media media;
     double throughput[3];
-    double density; /* with which the direction was chosen [1/sr] if emitters were sampled too; else
-                       0: emission counts in full */
+    double density; /* density of its direction if emitters were sampled too [1/sr]; else 0:
+                       emission has full weight */
 } ref_path;
 
 static inline void ref_multiply(double a[3], const double b[3]) {
@@ -39,7 +39,7 @@ static inline double ref_weight_against(double own, double other) {
 typedef double ref_evaluate(const mcv_material *material, ref_vec o, ref_vec i, double value[3]);
 typedef ref_vec ref_sample(const mcv_material *material, ref_vec o, ref_random *random);
 
-/* A surface that scatters light, as the path meets it. */
+/* A scattering surface at a hit. */
 typedef struct ref_scatterer {
     const mcv_material *material;
     ref_interaction interaction;

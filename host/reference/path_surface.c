@@ -2,6 +2,7 @@
 /* What each material does with a path. Each function continues the path or ends it (false). */
 #include "reference/path_steps.h"
 
+#include "reference/plate.h"
 #include "reference/retroreflector.h"
 #include "reference/texture.h"
 #include "scene/materials.h"
@@ -68,27 +69,20 @@ static void meet_mirror(ref_path *p, const ref_surface *surface, const double re
     ref_multiply(p->throughput, reflectance);
 }
 
-static void meet_sheet(const ref_world *world, ref_path *p, const ref_surface *surface, double ior,
-                       const double transmittance[3], ref_random *random) {
+/* One of the two ways of a plate by their largest shares. */
+static void meet_plate(const ref_world *world, ref_path *p, const ref_surface *surface,
+                       const mcv_material *material, ref_random *random) {
     const ref_interaction interaction = ref_make_interaction(surface, p->direction);
     const double outside =
         ref_media_ior(ref_media_filling(&p->media, world->scene), ref_kept_channel(p));
-    if (ref_random_unit(random) <
-        ref_sheet_reflectance(ref_reflectance(&interaction, outside, ior)))
-        p->direction = ref_reflect(&interaction);
-    else
-        ref_multiply(p->throughput, transmittance);
-}
-
-/* One of its two ways by their largest shares. */
-static void meet_beam_splitter(ref_path *p, const ref_surface *surface,
-                               const mcv_beam_splitter_params *splitter, ref_random *random) {
-    const ref_interaction interaction = ref_make_interaction(surface, p->direction);
-    const double reflected = ref_largest(splitter->reflectance),
-                 all = reflected + ref_largest(splitter->transmittance);
+    double texture[3];
+    ref_texture_lookup(world->scene, material->texture, surface->texcoord, texture);
+    const ref_plate plate = ref_plate_at(material, &interaction, outside, texture);
+    const double reflected = ref_largest(plate.reflected),
+                 all = reflected + ref_largest(plate.passed);
     const bool reflects = ref_random_unit(random) * all < reflected;
     const double chance = (reflects ? reflected : all - reflected) / all;
-    ref_multiply(p->throughput, reflects ? splitter->reflectance : splitter->transmittance);
+    ref_multiply(p->throughput, reflects ? plate.reflected : plate.passed);
     for (int channel = 0; channel < 3; ++channel)
         p->throughput[channel] = all > 0 ? p->throughput[channel] / chance : 0;
     if (reflects) p->direction = ref_reflect(&interaction);
@@ -211,16 +205,14 @@ bool ref_meet_surface(const ref_world *world, ref_path *p, const ref_surface *su
         return meet_gloss(world, p, surface, last, random, tally, radiance);
     case MCV_MATERIAL_RETROREFLECTOR:
         return meet_retroreflector(world, p, surface, last, random, tally, radiance);
-    case MCV_MATERIAL_SHEET:
-        modulate(world, surface, material->as.sheet.transmittance, share);
-        meet_sheet(world, p, surface, material->as.sheet.ior, share, random);
+#define MCV_X(name, key, NAME) case MCV_MATERIAL_##NAME:
+        MCV_PLATES(MCV_X)
+#undef MCV_X
+        meet_plate(world, p, surface, material, random);
         return true;
     case MCV_MATERIAL_MIRROR:
         modulate(world, surface, material->as.mirror.reflectance, share);
         meet_mirror(p, surface, share);
-        return true;
-    case MCV_MATERIAL_BEAM_SPLITTER:
-        meet_beam_splitter(p, surface, &material->as.beam_splitter, random);
         return true;
     default:
         return false;

@@ -19,7 +19,7 @@ typedef struct pass {
     const ref_world *world;
     const mcv_sensor *sensor;
     const mcv_render_options *options;
-    const mcv_film *film; /* of which the sizes count */
+    const mcv_film *film; /* only its sizes are used */
     double *sums;         /* laid out as the film's */
     ref_tally *rows;
     uint64_t first, count;
@@ -44,7 +44,7 @@ static void sum_samples(const pass *r, uint32_t column, uint32_t row, uint32_t r
     const ref_sensor_ray sensor_ray =
         ref_sensor_ray_sample(r->sensor, column, row, place[0], place[1], place[2], place[3]);
     ref_path_value(r->world, &sensor_ray, &random, tally, sum);
-    /* What an image of floats cannot hold is not finite there. */
+    /* Values that an image of floats cannot represent count as not finite. */
     if (!(fmax(fabs(sum[0]), fmax(fabs(sum[1]), fabs(sum[2]))) <= FLT_MAX) ||
         !isfinite(sum[0] + sum[1] + sum[2])) {
         ++tally->nonfinite;
@@ -52,7 +52,7 @@ static void sum_samples(const pass *r, uint32_t column, uint32_t row, uint32_t r
     }
 }
 
-/* Renders the next row that is free; false once there is none. */
+/* Renders the next row; false if none is left. */
 static bool render_row(pass *r) {
     const uint32_t row = atomic_fetch_add(&r->next, 1);
     const mcv_film *film = r->film;
@@ -91,7 +91,7 @@ static bool render_round(pass *r, pthread_t *threads, double start, double done,
     uint32_t helpers = 0;
     atomic_store(&r->next, 0);
     while (helpers + 1 < wanted && pthread_create(&threads[helpers], NULL, render_rows, r) == 0)
-        ++helpers; /* fewer only make it slower */
+        ++helpers; /* with fewer threads it is only slower */
     double told = mcv_seconds();
     while (render_row(r)) {
         if (!r->options->progress || mcv_seconds() - told < 0.1) continue;
@@ -115,7 +115,7 @@ static void add_tally(ref_tally *a, const ref_tally *b) {
     a->cut += b->cut;
 }
 
-/* Too few samples do not know their own error. */
+/* With fewer samples the error estimate is not reliable. */
 enum { FEWEST_SAMPLES = 16 };
 
 static void render_rounds(pass *r, mcv_film *film, pthread_t *threads, double start,

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * The reference renderer: double precision, plain C, simple and slow, written from the report's
- * formulas. It shares nothing of the kernels' mathematics, samplers or acceleration structure; it
- * reads the scene before re-centring and packing. Same contracts as mcv_render and mcv_trace
+ * formulas. It shares no mathematics, sampler or acceleration structure with the kernels, and reads
+ * the scene before re-centring and packing. Its contracts are those of mcv_render and mcv_trace
  * (host/render/render.h).
  *
  * Samples are independent and random, whatever options->sampler says; schedule, slice and device
- * have no meaning here. Rounds hold 1, 1, 2, 4 … samples per replicate; an error is believed from
- * 16 samples on; a round that would not end within options->seconds is not begun. Bodies' surfaces
- * in the same place, to the rounding of float32 vertices, are met together.
+ * have no effect. Rounds have 1, 1, 2, 4 … samples per replicate. The error is used from 16 samples
+ * on. A round that would exceed options->seconds is not started. Coincident surfaces of bodies, up
+ * to the rounding of float32 vertices, are hit together.
  */
 #ifndef MCVISI_HOST_REFERENCE_REFERENCE_H
 #define MCVISI_HOST_REFERENCE_REFERENCE_H

@@ -10,10 +10,10 @@
 #include "reference/vector.h"
 #include "scene/scene.h"
 
-/* s² of a direction: the share that the angle of incidence leaves. */
+/* s² of a direction: the share that remains at this angle of incidence. */
 double ref_retroreflector_efficiency(const mcv_retroreflector_params *p, ref_vec o);
 
-/* With which a path from o returns rather than being scattered diffusely. */
+/* The probability with which a path from o is returned (else it is scattered diffusely). */
 double ref_retroreflector_chance(const mcv_retroreflector_params *p, ref_vec o);
 
 /* Divergence above 0: f cosθ for light that arrives from i; returns the density with which

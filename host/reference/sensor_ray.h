@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Rays of sight of the sensors, from the report's equations (4.1), (4.2) and section 4.2. */
+/* Camera rays of the sensors, from the report's equations (4.1), (4.2) and section 4.2. */
 #ifndef MCVISI_HOST_REFERENCE_SENSOR_RAY_H
 #define MCVISI_HOST_REFERENCE_SENSOR_RAY_H
 
@@ -12,9 +12,9 @@ typedef struct ref_sensor_ray {
 } ref_sensor_ray;
 
 /*
- * Pixel (column, row) from the top-left corner, the place (x, y) in it and the aperture sample (u,
- * v), all in [0, 1). (u, v) = (0, 0) is the centre of a round aperture. A light field camera takes
- * (u, v) only to choose one of binned macro pixels.
+ * Pixel (column, row) from the top-left corner, the position (x, y) in it and the aperture sample
+ * (u, v), all in [0, 1). (u, v) = (0, 0) is the centre of a round aperture. A light field camera
+ * uses (u, v) only to choose one of the binned macro pixels.
  */
 ref_sensor_ray ref_sensor_ray_sample(const mcv_sensor *sensor, uint32_t column, uint32_t row,
                                      double x, double y, double u, double v);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Exact surfaces, piece by piece in double: the conics' roots by their formula, the aspheres'
- * between samples along the ray. A ray that starts on a piece does not meet it at 0 again.
+ * Exact surfaces in double, piece by piece: conics by the formula for their roots, aspheres between
+ * samples along the ray. A ray that starts on a piece does not hit it again at 0.
  */
 #ifndef MCVISI_HOST_REFERENCE_SOLIDS_H
 #define MCVISI_HOST_REFERENCE_SOLIDS_H
@@ -15,7 +15,7 @@ enum { REF_PIECES = 3, REF_MEETINGS = 8 };
 int ref_meet_piece(const mcv_solid *solid, int piece, ref_vec origin, ref_vec direction, bool on,
                    double distances[REF_MEETINGS]);
 
-/* Moves a point that lies near the piece onto it, and gives the unit normal outwards. */
+/* Moves a point near the piece onto it, and gives the outward unit normal. */
 void ref_on_piece(const mcv_solid *solid, int piece, ref_vec *position, ref_vec *normal);
 
 bool ref_solid_holds(const mcv_solid *solid, ref_vec point);

@@ -5,8 +5,8 @@
 #include "scene/scene.h"
 
 /*
- * A texture's linear R, G, B where glTF's two sets of coordinates are those (0, 0 is the top-left
- * corner of the image): by the set and the transform of the texture, decoded from sRGB (IEC
+ * The linear R, G, B of a texture at glTF's two sets of coordinates (0, 0 is the top-left corner of
+ * the image). It uses the set and the transform of the texture; values are decoded from sRGB (IEC
  * 61966-2-1), then interpolated. `texture` MCV_NONE is white.
  */
 void ref_texture_lookup(const mcv_scene *scene, uint32_t texture, const double texcoord[2][2],

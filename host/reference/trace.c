@@ -5,6 +5,7 @@
 #include "reference/gloss.h"
 #include "reference/interface.h"
 #include "reference/path.h"
+#include "reference/plate.h"
 #include "reference/reference.h"
 #include "reference/retroreflector.h"
 #include "reference/texture.h"
@@ -36,8 +37,8 @@ static void store(double out[3], ref_vec v) {
     out[2] = v.z;
 }
 
-/* Bends the ray at a surface and completes the vertex: direction, event, transmittance. False: the
- * path ends. */
+/* Reflects or refracts the ray at a surface and completes the vertex: direction, event,
+ * transmittance. False: the path ends. */
 static bool bend(const mcv_scene *scene, const ref_surface *surface, const ref_hits *hits,
                  ref_vec *direction, ref_media *media, mcv_vertex *vertex) {
     const mcv_material *material = &scene->materials[scene->instances[surface->instance].material];
@@ -71,19 +72,16 @@ static bool bend(const mcv_scene *scene, const ref_surface *surface, const ref_h
             material->as.conductor.n[0] / ior, material->as.conductor.k[0] / ior,
             fmin(-ref_dot(*direction, interaction.normal), 1));
         break;
-    case MCV_MATERIAL_BEAM_SPLITTER: /* goes straight on */
-        vertex->event = MCV_EVENT_PASS;
-        vertex->transmittance *= material->as.beam_splitter.transmittance[0];
-        break;
-    case MCV_MATERIAL_SHEET:
-        reflectance =
-            ref_sheet_reflectance(ref_reflectance(&interaction, ior, material->as.sheet.ior));
-        vertex->event =
-            reflectance == 1 ? MCV_EVENT_REFLECT : MCV_EVENT_PASS; /* 1: total reflection */
-        if (reflectance < 1)
-            vertex->transmittance *=
-                (1 - reflectance) * material->as.sheet.transmittance[0] * texture[0];
-        break;
+#define MCV_X(name, key, NAME) case MCV_MATERIAL_##NAME:
+        MCV_PLATES(MCV_X)
+#undef MCV_X
+        {
+            const ref_plate plate = ref_plate_at(material, &interaction, ior, texture);
+            const bool all = plate.reflected[0] == 1; /* as under total reflection */
+            vertex->event = all ? MCV_EVENT_REFLECT : MCV_EVENT_PASS;
+            if (!all) vertex->transmittance *= plate.passed[0];
+            break;
+        }
     case MCV_MATERIAL_DIELECTRIC: {
         ref_media beyond;
         ref_media_cross_all(media, &beyond, hits->count, hits->instances, hits->fronts);

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Three-vectors of double. The prefix ref_ marks what stays inside host/reference/. */
+/* Vectors of three doubles. The prefix ref_ marks what is used in host/reference/ only. */
 #ifndef MCVISI_HOST_REFERENCE_VECTOR_H
 #define MCVISI_HOST_REFERENCE_VECTOR_H
 
@@ -29,7 +29,7 @@ static inline double ref_length(ref_vec a) { return sqrt(ref_dot(a, a)); }
 static inline ref_vec ref_unit(ref_vec a) { return ref_scale(1 / ref_length(a), a); }
 static inline ref_vec ref_from(const double a[3]) { return (ref_vec){a[0], a[1], a[2]}; }
 
-/* The angle between two vectors in [0, π], exact to rounding where an arc cosine is not. */
+/* The angle between two vectors in [0, π], accurate to rounding, unlike an arc cosine. */
 static inline double ref_angle(ref_vec a, ref_vec b) {
     return atan2(ref_length(ref_cross(a, b)), ref_dot(a, b));
 }

@@ -5,24 +5,25 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Of the mean variance: what a pixel is taken to have at least, since a look of few samples misses
- * things. */
+/* Lower bound of a pixel's variance, as a share of the mean variance: a pilot of few samples misses
+ * rare light. */
 static const double LEAST_VARIANCE = 0.02;
 
 enum { LARGEST_RADIUS = 8, BISECTIONS = 20 };
 
-/* All of one value per pixel. */
+/* Arrays with one value per pixel. */
 typedef struct plan {
     uint32_t width, height;
-    double *halves[2]; /* the variance that the even and the odd replicates show */
+    double *halves[2]; /* variance among the even and among the odd replicates */
     double *all;       /* the mean of both */
-    double *shares;    /* of the samples */
-    double *columns;   /* of one row: sums over its surroundings */
+    double *shares;    /* shares of the samples */
+    double *columns;   /* sums over the window, for one row */
 } plan;
 
 static size_t pixels_of(const plan *p) { return (size_t)p->width * p->height; }
 
-/* Between every second replicate, from the first of them on; the mean over the channels. */
+/* The variance between every second replicate, starting with `first`; the mean over the
+ * channels. */
 static void measure_variance(const mcv_film *look, uint32_t first, double *variances) {
     const size_t pixels = (size_t)look->width * look->height, stride = pixels * look->channels;
     for (size_t i = 0; i < pixels; ++i) {
@@ -38,9 +39,10 @@ static void measure_variance(const mcv_film *look, uint32_t first, double *varia
     }
 }
 
-/* Each row's means over 2 radius + 1 pixels, fewer at its ends. */
+/* Replaces each value of a row by the mean over 2 radius + 1 pixels, fewer at its ends. */
 static void blur_row(double *row, uint32_t width, uint32_t radius) {
-    double before[LARGEST_RADIUS + 1] = {0}; /* the pixels that have their mean already, in turns */
+    double before[LARGEST_RADIUS + 1] = {
+        0}; /* ring buffer of original values that are already overwritten */
     double sum = 0;
     for (uint32_t x = 0; x < radius && x < width; ++x) sum += row[x];
     for (uint32_t x = 0; x < width; ++x) {
@@ -53,7 +55,7 @@ static void blur_row(double *row, uint32_t width, uint32_t radius) {
     }
 }
 
-/* The means of what is in `from`, or of its roots and squared, over squares about each pixel. */
+/* Means of `from` over squares around each pixel, or the squares of the means of its roots. */
 static void blur(const plan *p, const double *from, uint32_t radius, bool of_roots, double *to) {
     const uint32_t width = p->width, height = p->height;
     memset(p->columns, 0, width * sizeof *p->columns);
@@ -80,8 +82,8 @@ static double mean_of(const double *values, size_t count) {
     return sum / (double)count;
 }
 
-/* What each pixel would take of the samples with the variance of its surroundings, 1 on the
- * average. */
+/* The share of the samples that each pixel would get from the variance of its surroundings; the
+ * mean is 1. */
 static void share_samples(const plan *p, const double *variances, uint32_t radius, bool of_roots,
                           double fall) {
     const size_t count = pixels_of(p);
@@ -95,8 +97,8 @@ static void share_samples(const plan *p, const double *variances, uint32_t radiu
     for (size_t i = 0; i < count; ++i) p->shares[i] /= mean;
 }
 
-/* What would be left of the variance that one half shows with the samples that the other half asks
- * for; both ways. */
+/* Predicts the variance of one half of the replicates with the samples that the other half asks
+ * for; the mean of both ways. */
 static double foretell(const plan *p, uint32_t radius, bool of_roots) {
     double left = 0;
     for (int half = 0; half < 2; ++half) {
@@ -137,7 +139,8 @@ static void allocate(const plan *p, double fall, double budget, signed char *lev
     bool best_of_roots = false;
     double least = INFINITY;
     if (!(alike > 0)) return;
-    /* Means of roots do not let few bright samples rule, means of variances keep thin things. */
+    /* Means of roots are robust against few bright samples; means of variances preserve thin
+     * structures. */
     for (uint32_t radius = 1; radius <= LARGEST_RADIUS; radius *= 2) {
         for (int of_roots = 0; of_roots < 2; ++of_roots) {
             const double left = foretell(p, radius, of_roots);
@@ -149,7 +152,7 @@ static void allocate(const plan *p, double fall, double budget, signed char *lev
         }
     }
     share_samples(p, p->all, best, best_of_roots, fall);
-    /* Pixels that are alike shall not all cross a power of two together. */
+    /* Dithering: similar pixels must not all cross a power of two together. */
     for (size_t i = 0; i < count; ++i)
         p->shares[i] *= 1 + 0x1p-39 * (double)((uint32_t)i * 0x9e3779b9u);
     const double factor = fitting_factor(p, budget);

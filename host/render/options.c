@@ -24,15 +24,14 @@ mcv_result mcv_render_check_options(const mcv_scene *scene, uint32_t sensor,
     if (device && options->precision > MCV_PRECISION_MIXED)
         return mcv_fail(
             error, MCV_USAGE,
-            "precision must be single or mixed on a device: double is the reference renderer's");
+            "precision must be single or mixed on a device: double is for the reference renderer");
     if (device && (options->slice % MCV_BLOCK != 0 || options->slice > 4096)) {
         return mcv_fail(error, MCV_USAGE,
                         "a slice must be a multiple of %d paths of at most 4096, not %u", MCV_BLOCK,
                         options->slice);
     }
     if (options->last == 0 && !(options->error > 0) && !(options->seconds > 0)) {
-        return mcv_fail(error, MCV_USAGE,
-                        "nothing says when to stop: give samples, an error or a time");
+        return mcv_fail(error, MCV_USAGE, "no limit is given: give samples, an error or a time");
     }
     if (options->last > MCV_MOST_SAMPLES ||
         ((options->first > 0 || options->last > 0) && options->first >= options->last)) {
@@ -42,12 +41,13 @@ mcv_result mcv_render_check_options(const mcv_scene *scene, uint32_t sensor,
     if (options->adaptive && options->first > 0)
         return mcv_fail(
             error, MCV_USAGE,
-            "adaptive sampling is of a whole render: no part of its samples can be rendered alone");
+            "adaptive sampling needs a whole render: its samples cannot be rendered in parts");
     if (options->adaptive && options->last > MCV_MOST_ADAPTIVE)
-        return mcv_fail(error, MCV_USAGE,
-                        "adaptive sampling gives pixels at most 2^28 samples per replicate on the "
-                        "average, not %llu",
-                        (unsigned long long)options->last);
+        return mcv_fail(
+            error, MCV_USAGE,
+            "adaptive sampling gives pixels at most 2^28 samples per replicate on average, not "
+            "%llu",
+            (unsigned long long)options->last);
     const uint64_t count = options->last - options->first;
     if (options->last > 0 && (!is_power_of_two(count) || options->first % count != 0)) {
         return mcv_fail(error, MCV_USAGE,

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A pass over the pixels: launches of the schedule, and reading back what they leave. */
+/* A pass over the pixels: launches of the schedule, and the readback of their results. */
 #include "render/renderer.h"
 
 #include <math.h>
@@ -23,21 +23,22 @@ bool mcv_find_blocked_pixel(const mcv_film *film, uint32_t number, size_t *pixel
     return column < film->width && row < film->height;
 }
 
-/* The same in the order in which pixels are rendered. */
+/* As mcv_find_blocked_pixel, but in the order of rendering, which a list of pixels changes. */
 static bool find_pixel(const mcv_renderer *r, uint32_t number, size_t *pixel) {
     if (!r->listed) return mcv_find_blocked_pixel(r->film, number, pixel);
     *pixel = r->listed[number];
     return true;
 }
 
-/* Some sets of a round: what their launches leave on the device, on its way into the round. */
+/* The readback of some sets of a round: from the results of their launches on the device to the
+ * round. */
 typedef struct readback {
     uint32_t first_set, sets;
     uint32_t launched_blocks, blocks_per_set; /* of one launch; of the round */
     uint32_t first_block;                     /* of the launch that was read */
     float *read;                              /* its sums */
     double *blocks;                           /* [set][channel][block] */
-    double share; /* of a sample in the round: 1 over what the class takes more of them */
+    double share; /* weight of a sample in the round: 1 over the class's factor of samples */
     bool pending; /* `read` holds sums that are not yet added */
 } readback;
 
@@ -48,7 +49,8 @@ static double sum_of_set(const readback *h, uint32_t set, uint32_t channel, uint
     return mcv_pairwise_sum(h->blocks + at * h->blocks_per_set, h->blocks_per_set, 1);
 }
 
-/* Adds what was read; after the last launch of the sets, their sums go into the round. */
+/* Adds the sums that were read; after the last launch of the sets, adds their total to the
+ * round. */
 static void accumulate_readback(const mcv_renderer *r, readback *h) {
     const mcv_film *film = r->film;
     const uint32_t channels = film->channels;
@@ -66,7 +68,7 @@ static void accumulate_readback(const mcv_renderer *r, readback *h) {
         }
     }
     if (h->first_block + h->launched_blocks < h->blocks_per_set) return;
-    /* Sets are replicates of one pixel, then those of the next. */
+    /* The replicates of a pixel are consecutive sets. */
     for (uint32_t i = 0; i < h->sets;) {
         size_t pixel;
         const bool inside = find_pixel(r, (h->first_set + i) / film->replicates, &pixel);
@@ -84,8 +86,8 @@ static double stage_seconds(const mcv_render_stats *stats) {
     return seconds;
 }
 
-/* One launch: 2^frame.log2_samples samples of `sets` sets. While it runs, what the one before left
- * is brought in. */
+/* One launch: 2^frame.log2_samples samples of `sets` sets. While it runs, the results of the launch
+ * before are accumulated. */
 static mcv_result launch(mcv_renderer *r, uint32_t sets, uint32_t first_block, readback *h) {
     const double begun = mcv_seconds();
     r->frame.path_count = sets << r->frame.log2_samples;
@@ -105,7 +107,7 @@ static mcv_result launch(mcv_renderer *r, uint32_t sets, uint32_t first_block, r
     return MCV_OK;
 }
 
-/* Tells the caller how far the render is, with so much of a round; false: it is to stop now. */
+/* Reports the progress of the render, `samples` of a round included; returns false to stop now. */
 static bool go_on(const mcv_renderer *r, double samples, double error) {
     const mcv_render_options *o = r->options;
     if (!o->progress) return true;
@@ -162,8 +164,8 @@ mcv_result mcv_render_class(mcv_renderer *r, mcv_pixel_class class, uint64_t fir
     r->frame.log2_samples = log2_samples;
     uint32_t sets = 0;
     for (uint64_t set = first_set; result == MCV_OK && !*stop && set < end_set; set += sets) {
-        /* A short first launch: the user sees soon that something comes. Not where pictures have
-         * come before. */
+        /* The first launch is short, so that the user soon sees progress; a renderer that has
+         * rendered before skips this. */
         const bool at_once = r->stats->kept_program || r->stats->seconds_first_sample > 0;
         const uint32_t most = at_once ? sets_per_launch : (sets_per_launch + 15) / 16;
         sets = (uint32_t)(end_set - set < most ? end_set - set : most);
@@ -181,12 +183,9 @@ mcv_result mcv_render_class(mcv_renderer *r, mcv_pixel_class class, uint64_t fir
     return result;
 }
 
-/* The light paths of samples [first, first + count), where camera paths are launched without them.
- */
-static mcv_result render_light(mcv_renderer *r, uint64_t first, uint64_t count) {
+mcv_result mcv_render_light(mcv_renderer *r, uint64_t pixels, uint64_t first, uint64_t count) {
     const uint32_t capacity = r->schedule.capacity;
-    const uint64_t set_count =
-        mcv_tiled_pixels(r->film->width, r->film->height) * r->film->replicates;
+    const uint64_t set_count = pixels * r->film->replicates;
     if (!r->scene.splats || !r->listed) return MCV_OK;
     r->frame.log2_samples = floor_log2(count < capacity ? count : capacity);
     if (r->frame.log2_samples > MAX_LOG2_SAMPLES) r->frame.log2_samples = MAX_LOG2_SAMPLES;
@@ -207,5 +206,6 @@ mcv_result mcv_render_pass(mcv_renderer *r, uint64_t first, uint64_t count, doub
                            bool *stop) {
     for (uint32_t i = 0; i < r->class_count && !*stop; ++i)
         MCV_TRY(mcv_render_class(r, r->classes[i], first, count, done_before, stop));
-    return *stop ? MCV_OK : render_light(r, first, count);
+    if (*stop) return MCV_OK;
+    return mcv_render_light(r, mcv_tiled_pixels(r->film->width, r->film->height), first, count);
 }

@@ -8,29 +8,29 @@
 #include "core/basics.h"
 
 enum {
-    PILOT_SHARE = 32,     /* of the samples that it decides about, one part in so many: */
-    LEAST_PILOT = 4,      /* per pixel, over all of its replicates, */
-    MOST_PILOT = 1024,    /* for which more would tell little more; */
+    PILOT_SHARE = 32,     /* 1 / share of the pilot in the samples of the render */
+    LEAST_PILOT = 4,      /* samples per pixel, over all of its replicates */
+    MOST_PILOT = 1024,    /* more would improve the decision little */
     PILOT_REPLICATES = 8, /* at most */
     WORTH_A_PILOT = 64,   /* samples per pixel, over all replicates */
 };
 
-/* They change the user's seed for the pilot, and for the render after it. */
-static const uint32_t PILOT_SEED = 0x7f4a7c15u, ADAPTIVE_SEED = 0x2545f491u;
+/* Combined with the user's seed for the render after a pilot. */
+static const uint32_t ADAPTIVE_SEED = 0x2545f491u;
 
-/* The power by which the variance falls with the samples; 1 with random numbers. */
+/* The exponent with which the variance falls with the samples; it is 1 with random numbers. */
 static const double SOBOL_FALL = 1.25;
 
-/* Adaptive sampling must need less than this share of the samples that all pixels would take alike:
- * noisy pixels cost more. */
+/* Adaptive sampling is used if it needs less than this share of the samples of a uniform render.
+ * The margin covers the extra time of noisy pixels. */
 static const double WORTH = 0.9;
 
 static double fall_of(const mcv_render_options *o) {
     return o->sampler == MCV_SAMPLER_RANDOM ? 1 : SOBOL_FALL;
 }
 
-/* How many samples per replicate the render is going to have, from those it has and their error;
- * infinite: nobody knows. */
+/* The expected samples per replicate of the whole render, extrapolated from its error so far;
+ * infinite if this is not possible. */
 static double expected_samples(const mcv_renderer *r, double error) {
     const mcv_render_options *o = r->options;
     const double samples = (double)r->film->samples;
@@ -42,8 +42,7 @@ static double expected_samples(const mcv_renderer *r, double error) {
     return expected;
 }
 
-/* Lists the pixels by their levels; all in one class where these are not known. */
-static mcv_result list_pixels(mcv_renderer *r) {
+mcv_result mcv_list_pixels(mcv_renderer *r, uint32_t stride) {
     const mcv_film *film = r->film;
     const size_t count = (size_t)film->width * film->height;
     const uint32_t numbers = (uint32_t)mcv_tiled_pixels(film->width, film->height);
@@ -56,7 +55,7 @@ static mcv_result list_pixels(mcv_renderer *r) {
         const uint32_t first = listed;
         for (uint32_t i = 0; i < numbers; ++i) {
             size_t pixel;
-            if (mcv_find_blocked_pixel(film, i, &pixel) &&
+            if ((i >> 6) % stride == 0 && mcv_find_blocked_pixel(film, i, &pixel) &&
                 (film->levels ? film->levels[pixel] : 0) == level)
                 r->listed[listed++] = (uint32_t)pixel;
         }
@@ -78,7 +77,7 @@ void mcv_unlist_pixels(mcv_renderer *r) {
         (mcv_pixel_class){0, 0, (uint32_t)mcv_tiled_pixels(r->film->width, r->film->height)};
 }
 
-/* An empty film, to be filled with other random numbers. */
+/* Empties the film, for a render with other random numbers. */
 static mcv_result begin_anew(mcv_renderer *r) {
     const size_t values = mcv_film_values(r->film);
     const cl_uint nothing = 0;
@@ -88,11 +87,11 @@ static mcv_result begin_anew(mcv_renderer *r) {
                    r->error);
     r->film->samples = 0;
     r->frame.seed = r->options->seed ^ ADAPTIVE_SEED;
-    return list_pixels(r);
+    return mcv_list_pixels(r, 1);
 }
 
-/* So many samples per pixel (a power of two) of camera paths alone, in as many replicates as may
- * be, that the image knows nothing of. */
+/* Renders a pilot of camera paths alone with `samples` per pixel (a power of two), in as many
+ * replicates as possible. Its samples do not enter the image. */
 static mcv_result render_pilot(mcv_renderer *r, uint32_t samples, mcv_film *pilot, bool *stop) {
     mcv_film *film = r->film;
     double *round = r->round;
@@ -101,8 +100,8 @@ static mcv_result render_pilot(mcv_renderer *r, uint32_t samples, mcv_film *pilo
     r->film = pilot;
     r->round = pilot->sums;
     r->frame.replicates = replicates;
-    r->frame.seed = r->options->seed ^ PILOT_SEED;
-    mcv_result result = list_pixels(r);
+    r->frame.seed = r->options->seed ^ MCV_PILOT_SEED;
+    mcv_result result = mcv_list_pixels(r, 1);
     if (result == MCV_OK)
         result = mcv_render_class(r, r->classes[0], 0, samples / replicates, INFINITY, stop);
     r->film = film;
@@ -113,7 +112,7 @@ static mcv_result render_pilot(mcv_renderer *r, uint32_t samples, mcv_film *pilo
     return result;
 }
 
-/* The samples per pixel of the pilot that is worth its while now, over all replicates; 0: none. */
+/* The samples per pixel, over all replicates, of a pilot that pays now; 0: none. */
 static uint32_t worthy_pilot(const mcv_renderer *r, double expected) {
     const double all = expected * r->film->replicates,
                  begun = (double)r->film->samples * r->film->replicates;

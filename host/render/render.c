@@ -18,9 +18,9 @@ mcv_render_options mcv_render_defaults(void) {
         .sampler = MCV_SAMPLER_SOBOL, .replicates = 4, .depth = 32, .schedule = MCV_SCHEDULE_AUTO};
 }
 
-enum { MIN_SAMPLES_BLACK = 256 }; /* as MCV_MIN_SAMPLES, of a picture that is black so far */
+enum { MIN_SAMPLES_BLACK = 256 }; /* MCV_MIN_SAMPLES of an image that is black so far */
 
-/* A program for the scene: that at work, the one before, or a new one. */
+/* Opens a schedule for the scene: the current one, the earlier one, or a new one. */
 static mcv_result open_schedule(mcv_renderer *r, uint32_t sensor_type) {
     const mcv_render_options *o = r->options;
     const mcv_program_key key = {r->scene.packed.features,
@@ -40,7 +40,7 @@ static mcv_result open_schedule(mcv_renderer *r, uint32_t sensor_type) {
         r->earlier = schedule;
         r->earlier_key = other;
     }
-    /* Both are of other scenes: that at work is the earlier one from now on. */
+    /* Both belong to other scenes: the current one becomes the earlier one. */
     mcv_schedule_close(&r->earlier);
     r->earlier = r->schedule;
     r->earlier_key = r->key;
@@ -51,7 +51,7 @@ static mcv_result open_schedule(mcv_renderer *r, uint32_t sensor_type) {
     return result;
 }
 
-/* kept: the scene before, or NULL. */
+/* kept: the previous scene, or NULL. */
 static mcv_result open_scene(mcv_renderer *r, const mcv_scene *scene, uint32_t sensor,
                              mcv_device_scene *kept) {
     const double start = mcv_seconds();
@@ -83,22 +83,19 @@ static mcv_result open_scene(mcv_renderer *r, const mcv_scene *scene, uint32_t s
                            .seed = r->options->seed,
                            .depth = r->options->depth};
     MCV_TRY(mcv_device_scene_place(&r->cl, scene, sensor, &r->scene, &r->frame, r->error));
-    if (r->scene.splats) {
-        const double paths =
-            (double)(mcv_tiled_pixels(r->film->width, r->film->height) >> r->frame.log2_thinning);
-        MCV_TRY(
-            mcv_film_take_splats(r->film, 1 / ((double)r->frame.splat_scale * paths), r->error));
-    }
+    if (r->scene.splats)
+        MCV_TRY(mcv_film_take_splats(r->film, mcv_frame_splat_value(&r->frame), r->error));
     return mcv_schedule_aim(&r->schedule, &r->frame, r->stats, r->error);
 }
 
-/* What the scene before has in common with this one is taken over. */
+/* Reuses what the previous scene has in common with this one. */
 static mcv_result open_renderer(mcv_renderer *r, const mcv_scene *scene, uint32_t sensor) {
     mcv_device_scene kept = r->scene;
     memset(&r->scene, 0, sizeof r->scene);
     const mcv_result result = open_scene(r, scene, sensor, kept.nodes ? &kept : NULL);
     mcv_device_scene_close(&kept);
-    if (result != MCV_OK) mcv_device_scene_close(&r->scene); /* half a scene is nothing to keep */
+    if (result != MCV_OK)
+        mcv_device_scene_close(&r->scene); /* an incomplete scene must not be reused */
     return result;
 }
 
@@ -110,9 +107,9 @@ static void close_renderer(mcv_renderer *r) {
 }
 
 /*
- * A render whose samples alone end it, and which one launch holds, is a single round. Otherwise the
- * first one brings what the first look at the error wants, or less where a launch does not hold
- * that: a stopped render has an image soon.
+ * The samples of the first round. If the number of samples alone ends the render, and one launch
+ * holds them, all of them are one round. Otherwise the round has the samples of the first error
+ * estimate, or fewer if a launch does not hold them, so that a stopped render soon has an image.
  */
 static uint64_t first_round(const mcv_renderer *r) {
     const mcv_render_options *o = r->options;
@@ -122,7 +119,7 @@ static uint64_t first_round(const mcv_renderer *r) {
     const uint64_t fitting =
         r->schedule.capacity /
         (mcv_tiled_pixels(r->film->width, r->film->height) * r->film->replicates);
-    /* Each class takes launches of its own: with few rounds they are larger. */
+    /* Each class has its own launches; with few rounds they are larger. */
     if (r->listed) return ends_by_samples && all <= 16 * fitting ? all : MCV_FIRST_ADAPTIVE;
     if (ends_by_samples && all <= fitting) return all;
     uint64_t count = all < MCV_MIN_SAMPLES ? all : MCV_MIN_SAMPLES;
@@ -130,11 +127,11 @@ static uint64_t first_round(const mcv_renderer *r) {
     return count;
 }
 
-/* Rounds take longer than expected where others use the machine, too. */
+/* Rounds take longer than expected if others use the machine. */
 static const double ROUND_MARGIN = 1.15;
 enum {
     LEAST_GAIN = 8
-}; /* late in the time: a round of less than this part of the samples changes little */
+}; /* near the end of the time, a round below this share of the samples is not worth it */
 
 uint64_t mcv_next_round(uint64_t done, uint64_t least, double per_sample, double elapsed,
                         double seconds) {
@@ -146,15 +143,16 @@ uint64_t mcv_next_round(uint64_t done, uint64_t least, double per_sample, double
 }
 
 /*
- * Rounds of doubling length until the samples or the error is reached; shorter ones where a doubled
- * one would not end in time. All begin at a multiple of their length, as points of the sampler are
- * evenly spread in such ranges.
+ * Renders rounds of doubling length until the samples or the error are reached. A round is shorter
+ * if a doubled one would exceed the time. Each begins at a multiple of its length, because the
+ * sampler's points are evenly distributed in such ranges.
  */
 static mcv_result render_rounds(mcv_renderer *r) {
     const mcv_render_options *o = r->options;
     double error = INFINITY;
     bool stop = false, decided = !o->adaptive;
     uint64_t next = o->first, count = first_round(r);
+    MCV_TRY(mcv_allocate_light(r));
     for (;;) {
         if (!decided) MCV_TRY(mcv_adapt(r, error, &decided));
         if (r->film->samples == 0) {
@@ -174,8 +172,8 @@ static mcv_result render_rounds(mcv_renderer *r) {
         const double seconds = mcv_seconds() - r->begun;
         const double per_sample = fmax(0, mcv_seconds() - round_begun - r->warming) / (double)count;
         r->warming = 0;
-        /* A picture that is black so far may have missed a small light: its error of 0 says nothing
-         * yet. */
+        /* An image that is black so far may have missed a small light, and its error estimate of 0
+         * is not reliable. */
         const uint64_t enough = mcv_film_mean(r->film) > 0 ? MCV_MIN_SAMPLES : MIN_SAMPLES_BLACK;
         if (o->error > 0 && r->film->samples >= enough && error <= o->error) return MCV_OK;
         if (o->enough && r->film->samples >= enough && o->enough(o->user, r->film)) return MCV_OK;
@@ -190,12 +188,13 @@ static mcv_result render_rounds(mcv_renderer *r) {
 mcv_result mcv_render_check_finite(const mcv_scene *scene, uint32_t sensor,
                                    const mcv_render_stats *stats, mcv_error *error) {
     if ((double)stats->nonfinite <= 1e-6 * (double)stats->paths) return MCV_OK;
-    return mcv_fail(error, MCV_FAILED,
-                    "%s: sensors/%s: %llu values of %llu samples were not finite, more than one in "
-                    "a million: some light is brighter than a "
-                    "float of 32 bits can hold; none may bring more than 10^36 to a pixel",
-                    scene->path, scene->sensors[sensor].name, (unsigned long long)stats->nonfinite,
-                    (unsigned long long)stats->paths);
+    return mcv_fail(
+        error, MCV_FAILED,
+        "%s: sensors/%s: %llu values of %llu samples were not finite, more than one in a "
+        "million: some light exceeds the range of a 32-bit float; none may contribute more "
+        "than 10^36 to a pixel",
+        scene->path, scene->sensors[sensor].name, (unsigned long long)stats->nonfinite,
+        (unsigned long long)stats->paths);
 }
 
 static mcv_result render(mcv_renderer *r, const mcv_scene *scene, uint32_t sensor) {
@@ -244,8 +243,7 @@ mcv_result mcv_renderer_render(mcv_renderer *r, const mcv_scene *scene, uint32_t
     free(r->listed);
     r->round = NULL;
     r->listed = NULL;
-    if (result == MCV_DEVICE ||
-        result == MCV_FAILED) { /* what is on the device, or on its way, may be anything */
+    if (result == MCV_DEVICE || result == MCV_FAILED) { /* the data on the device is undefined */
         close_renderer(r);
         memset(r, 0, sizeof *r);
     }

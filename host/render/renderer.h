@@ -10,7 +10,7 @@
 enum {
     MCV_MAX_CLASSES = MCV_HIGHEST_LEVEL - MCV_LOWEST_LEVEL + 1,
     MCV_MIN_SAMPLES = 4, /* per replicate, before an error estimate may stop the render */
-    /* Samples per replicate of the first adaptive round: each pixel has one. */
+    /* Samples per replicate of the first adaptive round, in which each pixel has at least one. */
     MCV_FIRST_ADAPTIVE = 1 << -MCV_LOWEST_LEVEL,
 };
 
@@ -18,12 +18,12 @@ enum {
 #define MCV_MOST_SAMPLES ((uint64_t)0x80000000u)
 #define MCV_MOST_ADAPTIVE (MCV_MOST_SAMPLES >> MCV_HIGHEST_LEVEL)
 
-/* What a program is specialised for, and the sizes of a schedule's buffers follow from. */
+/* What a program is specialised for; the sizes of a schedule's buffers follow from it. */
 typedef struct mcv_program_key {
     uint32_t features, channels, sensor_type, sampler, schedule, slice, depth;
 } mcv_program_key;
 
-/* The pixels that take 2^level times the samples: they stand together in the list. */
+/* The pixels with 2^level times the samples; they are consecutive in the list. */
 typedef struct mcv_pixel_class {
     int level;
     uint32_t first, count;
@@ -33,21 +33,21 @@ struct mcv_renderer {
     /* Kept between renders: */
     mcv_cl cl;
     mcv_device_scene scene;
-    mcv_schedule schedule, earlier; /* the one at work; another, to go back to when a number crosses
-                                       a limit and back */
+    mcv_schedule schedule, earlier; /* the current one, and a previous one to return to when a
+                                       parameter crosses a limit and comes back */
     mcv_program_key key, earlier_key;
     /* Of one render: */
     const mcv_render_options *options;
     mcv_render_stats *stats;
     mcv_film *film;
-    double *round; /* like the film's sums: those of the samples of this round */
+    double *round; /* sums of this round's samples, laid out as the film's */
     mcv_frame frame;
-    uint32_t *listed; /* the pixels by class; NULL: all in their order, in one class */
+    uint32_t *listed; /* the pixels by class; NULL: all in their order, one class */
     mcv_pixel_class classes[MCV_MAX_CLASSES];
     uint32_t class_count;
-    double begun;   /* when */
-    double warming; /* seconds of the first launch that its stages did not take: drivers compile
-                       there what they left out before */
+    double begun;   /* start time */
+    double warming; /* seconds of the first launch beyond its stages, in which drivers finish
+                       compiling */
     mcv_error *error;
 };
 
@@ -58,27 +58,51 @@ struct mcv_renderer {
 bool mcv_find_blocked_pixel(const mcv_film *film, uint32_t number, size_t *pixel);
 
 /*
- * All samples [first, first + count), times 2^level, of the class's pixels into r->round; count is
- * a power of two. *stop is set when the caller's progress function asked for it: the round is not
- * whole then.
+ * Renders samples [first, first + count), times 2^level, of the class's pixels into r->round; count
+ * is a power of two. *stop is set if the caller's progress function asked for it; the round is then
+ * incomplete.
  */
 mcv_result mcv_render_class(mcv_renderer *r, mcv_pixel_class class, uint64_t first, uint64_t count,
                             double done_before, bool *stop);
 
-/* All samples [first, first + count) of all pixels into r->round; count is a power of two. */
+/* Renders samples [first, first + count) of all pixels into r->round; count is a power of two. */
 mcv_result mcv_render_pass(mcv_renderer *r, uint64_t first, uint64_t count, double done_before,
                            bool *stop);
 
+/* The light paths of samples [first, first + count) of the first so many pixels, where camera paths
+ * are launched without them. */
+mcv_result mcv_render_light(mcv_renderer *r, uint64_t pixels, uint64_t first, uint64_t count);
+
+/* light_pilot.c */
+
+/*
+ * The k with which one light path for every 2^k pixels brings an error in the least time, from the
+ * variances and times of camera paths, and of light paths with k = begun.
+ */
+uint32_t mcv_best_thinning(double camera_variance, double light_variance, double camera_time,
+                           double light_time, uint32_t begun);
+
+/* Before the first samples: decides by a pilot how many light paths there are, if the options ask
+ * for it. The image shares no random number with the pilot, so that it is unbiased. */
+mcv_result mcv_allocate_light(mcv_renderer *r);
+
 /* pilot.c */
+
+/* Changes the user's seed for pilots. */
+#define MCV_PILOT_SEED 0x7f4a7c15u
+
+/* Lists the pixels by their levels, all in one class where these are not known; of blocks of 8 x 8
+ * pixels every stride-th. */
+mcv_result mcv_list_pixels(mcv_renderer *r, uint32_t stride);
 
 /* All pixels in their order, in one class. */
 void mcv_unlist_pixels(mcv_renderer *r);
 
 /*
- * Once it is known how many samples the render will take: renders a pilot, and if that pays, throws
- * away what the film has and begins anew, with other random numbers and for each pixel as many
- * samples as it needs. What was known when that was decided has no part in the image, so that the
- * image is unbiased. *decided: the pilot was rendered.
+ * Decides about adaptive sampling once the number of samples can be predicted. It renders a pilot;
+ * if adaptive sampling pays, it empties the film and starts again with other random numbers and
+ * with levels of samples. Nothing that entered the decision is part of the image, so the image is
+ * unbiased. *decided: the pilot was rendered.
  */
 mcv_result mcv_adapt(mcv_renderer *r, double error, bool *decided);
 

@@ -6,16 +6,16 @@
 #include <string.h>
 
 enum {
-    DEFAULT_SLICE = 1024, /* the last turns of a loop over few paths are not vectorised */
-    MAX_SLICES = 1024,    /* enough for both an even load and a bounded state */
-    MAX_SLOTS = 4096,     /* of a slice: its state is on a thread's stack */
+    DEFAULT_SLICE = 1024, /* the last iterations of a loop over few paths are not vectorised */
+    MAX_SLICES = 1024,    /* enough for an even load, few enough to bound the state */
+    MAX_SLOTS = 4096,     /* paths of a slice: its state is on a thread's stack */
     MAX_STREAM_PATHS = 1 << 20,
-    MAX_STREAM_SLOTS = 1 << 22, /* few paths have all of their branches */
-    STREAM_GROUP = 64,          /* as in kernels/schedule/stream.cl */
+    MAX_STREAM_SLOTS = 1 << 22, /* most paths use fewer branches than they may */
+    STREAM_GROUP = 64,          /* as in kernels/schedule/stream.cl, which cannot read this */
     STREAM_ARGUMENTS = MCV_SCENE_ARGUMENTS + 7,
 };
 
-/* The state of a launch's paths may take a quarter of what the device allows in one buffer. */
+/* The state of a launch's paths may take a quarter of the largest buffer of the device. */
 static uint32_t fitting_paths(const mcv_cl *cl, size_t bytes_per_path, uint32_t most) {
     const size_t fitting = cl->largest_allocation / 4 / bytes_per_path;
     return fitting < most ? (uint32_t)fitting : most;
@@ -95,7 +95,7 @@ mcv_result mcv_schedule_open(mcv_cl *cl, const mcv_device_scene *scene, uint32_t
                          error);
 }
 
-/* Nothing is written any more to where the answers go. */
+/* Forgets pending reads: their targets are no longer valid. */
 static void forget_answers(mcv_schedule *s) {
     for (int i = 0; i < MCV_DEPTHS_AHEAD; ++i) {
         if (!s->stream.answers[i]) continue;
@@ -150,7 +150,7 @@ static mcv_result launch(mcv_schedule *s, uint32_t kernel, size_t global, size_t
     return MCV_OK;
 }
 
-/* After a wait: adds up how long the stages ran. */
+/* After a wait: adds up the times of the stages. */
 static void add_times(mcv_schedule *s, mcv_render_stats *stats) {
     static const char *const names[] = {
 #define MCV_X(stage, runs) #stage,
@@ -201,7 +201,8 @@ static mcv_result launch_stage(mcv_schedule *s, uint32_t kernel, size_t items, m
     return launch(s, kernel, items, STREAM_GROUP, arguments, STREAM_ARGUMENTS, error);
 }
 
-/* The stages of the next depth, for at most so many paths; then asks how many live on. */
+/* Launches the stages of the next depth, for at most `items` paths, and starts reading the number
+ * of active paths. */
 static mcv_result launch_depth(mcv_schedule *s, size_t items, mcv_render_stats *stats,
                                mcv_error *error) {
     const uint32_t depth = s->stream.depth;
@@ -223,13 +224,13 @@ static mcv_result launch_depth(mcv_schedule *s, size_t items, mcv_render_stats *
     return MCV_OK;
 }
 
-/* All that may live: a path branches off at most once at each depth. */
+/* The largest number of active paths: a path splits at most once at each depth. */
 static uint32_t most_paths(const mcv_schedule *s, uint32_t paths, uint32_t depths) {
     return paths * (depths + 1 < s->branches ? depths + 1 : s->branches);
 }
 
-/* How many paths lived so many depths ago, or waits until that is known; with all that may have
- * branched off since. */
+/* The number of active paths MCV_DEPTHS_AHEAD depths ago, waiting for it if necessary, times the
+ * splits that may have followed. */
 static mcv_result living_paths(mcv_schedule *s, cl_uint *living, mcv_error *error) {
     const uint32_t asked = s->stream.depth % MCV_DEPTHS_AHEAD;
     const uint32_t most = s->stream.frame.path_count * s->branches;
@@ -246,7 +247,7 @@ static mcv_result living_paths(mcv_schedule *s, cl_uint *living, mcv_error *erro
     return MCV_OK;
 }
 
-/* The first depths of a pass, without waiting for any. */
+/* Launches the first depths of a pass without waiting. */
 static mcv_result start_stream(mcv_schedule *s, const mcv_frame *frame, mcv_render_stats *stats,
                                mcv_error *error) {
     s->stream.frame = *frame;
@@ -260,7 +261,7 @@ static mcv_result start_stream(mcv_schedule *s, const mcv_frame *frame, mcv_rend
     return MCV_OK;
 }
 
-/* The other depths, as long as paths live, and the film. */
+/* Launches the other depths while paths are active, then the film. */
 static mcv_result finish_stream(mcv_schedule *s, mcv_render_stats *stats, mcv_error *error) {
     const mcv_frame *frame = &s->stream.frame;
     const uint32_t block = frame->log2_samples < 6 ? 1u << frame->log2_samples : MCV_BLOCK;
@@ -293,7 +294,7 @@ mcv_result mcv_schedule_aim(mcv_schedule *schedule, const mcv_frame *frame, mcv_
     return MCV_OK;
 }
 
-/* As many light paths as the frame has paths; they add to the counters. */
+/* Launches as many light paths as the frame has paths; their counters are added. */
 static mcv_result start_light(mcv_schedule *s, const mcv_frame *frame, mcv_error *error) {
     mcv_arg arguments[MCV_SCENE_ARGUMENTS + 2];
     if (!traces_light(s)) return MCV_OK;
@@ -302,7 +303,7 @@ static mcv_result start_light(mcv_schedule *s, const mcv_frame *frame, mcv_error
     arguments[MCV_SCENE_ARGUMENTS + 1] = MCV_ARG(s->counters);
     const bool tile = s->kind == MCV_SCHEDULE_TILE;
     const size_t span = (size_t)s->slice
-                        << frame->log2_thinning; /* of one work-item of the tile schedule */
+                        << frame->log2_thinning; /* for one work-item of the tile schedule */
     return launch(s, MCV_KERNEL_trace_emitter_paths,
                   tile ? (frame->path_count + span - 1) / span : frame->path_count,
                   tile ? 1 : STREAM_GROUP, arguments, MCV_SCENE_ARGUMENTS + 2, error);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The two ways to drive the same stages: tile (one launch per pass, a slice of paths per work-item,
- * for CPUs) and stream (one launch per stage, for GPUs). Both give the same bits.
+ * The two schedules of the same stages. Tile: one launch per pass, a slice of paths per work-item,
+ * for CPUs. Stream: one launch per stage, for GPUs. Both give the same bits.
  */
 #ifndef MCVISI_HOST_RENDER_SCHEDULE_H
 #define MCVISI_HOST_RENDER_SCHEDULE_H
@@ -16,8 +16,8 @@ enum { MCV_STREAM_KERNELS(MCV_X) MCV_STREAM_KERNEL_COUNT };
 #undef MCV_X
 
 /*
- * Stream: how many depths the host is ahead of the device, so that neither waits, and how many
- * there are between two times that the launches are forgotten.
+ * Stream: the number of depths that the host launches ahead of the device, so that neither waits;
+ * the number of depths between two collections of the launches' times.
  */
 enum { MCV_DEPTHS_AHEAD = 4, MCV_TIMED_DEPTHS = 64, MCV_MAX_LAUNCHES = 4 * MCV_TIMED_DEPTHS + 8 };
 
@@ -25,53 +25,52 @@ typedef struct mcv_schedule {
     mcv_cl *cl;
     const mcv_device_scene *scene;
     uint32_t kind;     /* MCV_SCHEDULE_TILE or _STREAM */
-    uint32_t capacity; /* paths of a launch at most */
+    uint32_t capacity; /* largest number of paths of a launch */
     uint32_t slice;    /* paths per slice (tile) */
-    uint32_t branches; /* of a path at most */
+    uint32_t branches; /* largest number of branches of a path */
     uint32_t depth;
     cl_program program;
     cl_kernel
-        kernels[MCV_STREAM_KERNEL_COUNT]; /* tile: for generate_rays that of all stages; stream:
-                                             NULL where the scene needs no such stage */
+        kernels[MCV_STREAM_KERNEL_COUNT]; /* tile: generate_rays stands for all stages; stream: NULL
+                                             if the scene does not need the stage */
     cl_mem paths, sums, counters;
-    uint32_t counter_sets;  /* of the launch under way */
+    uint32_t counter_sets;  /* of the current launch */
     cl_mem queues, lengths; /* stream */
-    struct {                /* of the launch under way */
+    struct {                /* the current launch */
         mcv_frame frame;
         uint32_t depth;                     /* the next to be launched */
-        cl_uint living[MCV_DEPTHS_AHEAD];   /* after the latest depths, by depth modulo
+        cl_uint living[MCV_DEPTHS_AHEAD];   /* active paths after the latest depths, by depth modulo
                                                MCV_DEPTHS_AHEAD … */
-        cl_event answers[MCV_DEPTHS_AHEAD]; /* … once they are read */
+        cl_event answers[MCV_DEPTHS_AHEAD]; /* … valid when these events are complete */
     } stream;
-    cl_event launches[MCV_MAX_LAUNCHES]; /* since the last wait, with their kernels: for the stages'
-                                            times */
+    cl_event launches[MCV_MAX_LAUNCHES]; /* launches since the last wait, with their kernels, for
+                                            the times of the stages */
     uint32_t launched[MCV_MAX_LAUNCHES];
     uint32_t launch_count;
 } mcv_schedule;
 
-/* Chooses by the device where options->schedule is auto, builds the program, allocates. Close it
- * even after a failure. */
+/* Opens a schedule: chooses it by the device if options->schedule is auto, builds the program and
+ * allocates the buffers. Close it even after a failure. */
 mcv_result mcv_schedule_open(mcv_cl *cl, const mcv_device_scene *scene, uint32_t sensor_type,
                              const mcv_render_options *options, mcv_schedule *schedule,
                              mcv_error *error);
 void mcv_schedule_close(mcv_schedule *schedule);
 
-/* Before the first start with features that aim: fills in the pixels' aims. */
+/* Fills in the pixels' pupil guides. To be called before the first start if the features include
+ * AIM. */
 mcv_result mcv_schedule_aim(mcv_schedule *schedule, const mcv_frame *frame, mcv_render_stats *stats,
                             mcv_error *error);
 
-/* Begins to render the frame's paths, with as many light paths where its pixels are not listed; the
- * caller may do other work until it waits.
- */
+/* Starts to render the frame's paths, and as many light paths unless its pixels are listed. The
+ * caller may do other work until it waits. */
 mcv_result mcv_schedule_start(mcv_schedule *schedule, const mcv_frame *frame,
                               mcv_render_stats *stats, mcv_error *error);
 
-/* The frame's light paths alone, and waits for them. */
+/* Renders the frame's light paths alone and waits for them. */
 mcv_result mcv_schedule_trace_light(mcv_schedule *schedule, const mcv_frame *frame,
                                     mcv_render_stats *stats, mcv_error *error);
 
-/* Waits for what was started; schedule->sums then holds two floats per channel and block of
- * samples. */
+/* Waits for the launch. schedule->sums then holds two floats per channel and block of samples. */
 mcv_result mcv_schedule_wait(mcv_schedule *schedule, mcv_render_stats *stats, mcv_error *error);
 
 #endif

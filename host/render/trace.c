@@ -170,7 +170,7 @@ mcv_result mcv_trace(const mcv_scene *scene, const mcv_trace_ray *rays, size_t r
     if (options->precision > MCV_PRECISION_MIXED)
         return mcv_fail(
             error, MCV_USAGE,
-            "precision must be single or mixed on a device: double is the reference renderer's");
+            "precision must be single or mixed on a device: double is for the reference renderer");
     if (ray_count > 0xffffffffu)
         return mcv_fail(error, MCV_USAGE, "at most 2^32 rays can be traced at once");
     mcv_result result = open_tracer(&t, scene, ray_count, options, error);

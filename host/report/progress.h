@@ -18,20 +18,20 @@ typedef struct mcv_progress_line {
     const volatile sig_atomic_t
         *stop;       /* a signal handler's flag: not 0 stops the render; may be NULL */
     double reported; /* seconds of the last line; negative: none yet */
-    double first[2]; /* fraction and seconds when the first samples were there: what came before is
-                        no measure of the rest */
-    bool begun;      /* they are */
-    int width;       /* of the line on the terminal, to be overwritten */
+    double first[2]; /* fraction and seconds at the first samples; the time before does not predict
+                        the rest */
+    bool begun;      /* `first` is set */
+    int width;       /* width of the line on the terminal, which the next one overwrites */
 } mcv_progress_line;
 
-/* On stderr; a terminal where stderr is one that can go back to the start of its line. */
+/* A line on stderr; it counts as a terminal if its cursor can return to the start of the line. */
 mcv_progress_line mcv_progress_stderr(const char *label, const volatile sig_atomic_t *stop);
 
 /* An mcv_pass_told whose user is the mcv_progress_line. error: relative, so far; NaN or 0: not
  * known. */
 mcv_pass_told mcv_progress_report;
 
-/* Leaves an empty line on the terminal for what follows. */
+/* Clears the line on the terminal. */
 void mcv_progress_end(mcv_progress_line *line);
 
 #endif

@@ -69,7 +69,7 @@ mcv_result mcv_summary_json(const mcv_summary *s, char **text, mcv_error *error)
     return *text ? MCV_OK : mcv_fail(error, MCV_FAILED, "no memory for the JSON summary");
 }
 
-/* The sentences about light that is missing from the picture. */
+/* The sentences about light that is missing from the image. */
 static void print_losses(FILE *out, const mcv_render_stats *stats) {
     if (stats->lost_energy > 0) {
         fprintf(out,
@@ -78,18 +78,19 @@ static void print_losses(FILE *out, const mcv_render_stats *stats) {
                 100 * stats->lost_energy, stats->depth_cut);
     }
     if (stats->nonfinite > 0)
-        fprintf(out, "  %" PRIu64 " samples were not finite and are left out\n", stats->nonfinite);
+        fprintf(out, "  %" PRIu64 " samples were not finite and are ignored\n", stats->nonfinite);
     if (stats->saturated > 0) {
-        fprintf(
-            out,
-            "  %" PRIu64
-            " light paths found no room in their pixels, which are wrong: render fewer samples\n",
-            stats->saturated);
+        fprintf(out,
+                "  %" PRIu64
+                " light paths exceeded the range of their pixels, which are wrong: render fewer "
+                "samples\n",
+                stats->saturated);
     }
     if (stats->unmatched > 0) {
         fprintf(out,
-                "  %" PRIu64 " paths left a medium that they had not entered: a mesh is open, its "
-                "faces are turned, or bodies touch without overlapping\n",
+                "  %" PRIu64
+                " paths left a medium that they had not entered: a mesh is open, its faces are "
+                "reversed, or bodies touch without overlapping\n",
                 stats->unmatched);
     }
 }

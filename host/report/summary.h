@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What a render reports when it is done: for people as text, for programs as JSON. */
+/* The report of a finished render: as text for people, as JSON for programs. */
 #ifndef MCVISI_HOST_REPORT_SUMMARY_H
 #define MCVISI_HOST_REPORT_SUMMARY_H
 
 #include "io/png.h"
 #include "render/render.h"
 
-/* Nothing is owned. Names and paths that do not apply are NULL; numbers that are not known are NaN
+/* All pointers are borrowed. Names and paths that do not apply are NULL; unknown numbers are NaN
  * (null in JSON). */
 typedef struct mcv_summary {
     const char *scene, *sensor;
@@ -31,8 +31,8 @@ typedef struct mcv_summary {
  */
 mcv_result mcv_summary_json(const mcv_summary *summary, char **text, mcv_error *error);
 
-/* The same for people, a few lines; *text is malloc'ed. Losses are told only where there are any.
- */
+/* The report for people, a few lines; *text is malloc'ed. Losses are reported only if there are
+ * any. */
 mcv_result mcv_summary_text(const mcv_summary *summary, char **text, mcv_error *error);
 
 #endif

@@ -1,17 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Where lights of a rig stand and how large they are: outside of the camera's view, and as the
- * part's size asks for. */
+/* Position and size of a rig's light: outside the camera's view, and large enough for the part. */
 #include "rig/rig.h"
 
 #include <math.h>
 
-/* The diameter of the lens; of a light field camera's the diagonal. */
+/* The diameter of the lens; of a light field camera the diagonal. */
 static double lens_diameter(const mcv_rig_design *r) {
     const double side = r->focal_length * (1 + r->magnification) / r->f_number; /* b/N */
     return r->directions > 1 ? M_SQRT2 * side : side;
 }
 
-/* From the field, which grows or shrinks towards the lens, and the bundle of rays about each of its
+/* The diameter of the view at a distance: the field there plus the bundle of rays of each of its
  * points. */
 static double widen(const mcv_rig_design *r, double field, double distance) {
     if (r->wishes.kind == MCV_RIG_TELECENTRIC)
@@ -29,10 +28,10 @@ double mcv_rig_view_side(const mcv_rig_design *r, int axis, double distance) {
 }
 
 /*
- * Behind the part. Telecentric: a parallel panel whose cone is a little wider than what the camera
- * takes in. Transparent: one whose cone reaches from the field's corner to between the middle and
- * the edge of the lens: it fills most of the J x K directions everywhere, and its edge lies within
- * them, where its shift shows what turns light aside. Else a diffuse panel that fills the view.
+ * A light behind the part. Telecentric: a parallel panel with a cone slightly wider than the
+ * camera's. Transparent: a parallel panel whose cone reaches, from the field's corner, half-way to
+ * the edge of the lens. It fills most of the J x K directions everywhere, and its edge lies within
+ * them, so that a deflection shifts it visibly. Otherwise a diffuse panel that fills the view.
  */
 static void behind(mcv_rig_design *r, mcv_rig_light *light) {
     const double degrees = 180 / M_PI,
@@ -52,7 +51,7 @@ static void behind(mcv_rig_design *r, mcv_rig_light *light) {
                                 0.5 * (corner + 0.5 * lens_diameter(r) / r->working_distance)));
 }
 
-/* A flat ring about the view, half way to the camera. */
+/* A flat ring around the view, half-way to the camera. */
 static void around(const mcv_rig_design *r, mcv_rig_light *light) {
     light->distance = 0.5 * (r->working_distance + 0.5 * r->depth);
     light->inner = mcv_rig_usual(1.1 * mcv_rig_view(r, light->distance), true);
@@ -60,8 +59,8 @@ static void around(const mcv_rig_design *r, mcv_rig_light *light) {
     light->reach = light->distance;
 }
 
-/* A low ring close to the part's front: its band stands 15° above it as seen from the middle, faces
- * it, and spans 7° to 23°. */
+/* A low ring close to the part's front. Seen from the middle of the part, its band faces the part
+ * and spans 7° to 23° of elevation, with its centre at 15°. */
 static void low(const mcv_rig_design *r, mcv_rig_light *light) {
     const double radius = mcv_rig_usual(
         1.3 * 0.5 * fmax(mcv_rig_view(r, 0.5 * r->depth), mcv_rig_view(r, -0.5 * r->depth)), true);
@@ -74,14 +73,14 @@ static void low(const mcv_rig_design *r, mcv_rig_light *light) {
 }
 
 /*
- * A half mirror before the part, a tenth of its height above it. Window and panel are as large as
- * what the camera sees of the panel in a mirror in the part's place: its view, as far behind as the
- * way to the panel is long. A cone keeps the panel's light off the part where it would pass by the
- * mirror.
+ * A half mirror before the part, at a tenth of the window's height from it. Window and panel are as
+ * large as the panel would appear in a mirror in the part's place: the view, at the distance of the
+ * panel's image. A cone keeps light that misses the half mirror off the part.
  */
 static void along(const mcv_rig_design *r, mcv_rig_light *light) {
     light->size[0] = light->size[1] = 0;
-    for (int i = 0; i < 50; ++i) { /* to where it stays; a camera that is too near sees ever more */
+    for (int i = 0; i < 50;
+         ++i) { /* until it converges; for a camera that is too near the size diverges */
         light->distance = 0.5 * r->depth + 0.6 * light->size[1];
         const double way = light->distance + 0.55 * light->size[1];
         for (int k = 0; k < 2; ++k)
@@ -93,8 +92,8 @@ static void along(const mcv_rig_design *r, mcv_rig_light *light) {
     light->reach = light->distance + 0.5 * light->size[1];
 }
 
-/* A dome whose opening lies at the part's front, and three times as wide as its hole: a ninth of
- * its light is missing. */
+/* A dome with its opening at the part's front, three times as wide as its hole: a ninth of the
+ * light is missing. */
 static void over(const mcv_rig_design *r, mcv_rig_light *light) {
     double radius = 0;
     for (int i = 0; i < 50; ++i) {

@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* A common film of 1.3 megapixels, 6.1 mm x 4.9 mm; with 8 x 8 directions; and the report's. */
+/* Default films: 1.3 megapixels, 6.1 mm x 4.9 mm; the same with 8 x 8 directions; the report's. */
 static const struct {
     uint32_t resolution[2], directions;
     double pixel;
@@ -54,8 +54,8 @@ static mcv_result read_view(const char *text, double direction[3], mcv_error *er
                     text);
 }
 
-/* Unless the wish says so along the part's shortest side, so that the largest is seen; the longer
- * of what is seen lies horizontally. */
+/* Chooses the view. By default it is along the part's shortest dimension, so that the largest face
+ * is seen; its longer side is horizontal. */
 static mcv_result look(mcv_rig_design *r, mcv_error *error) {
     double size[3], to_camera[3] = {0, 0, 0}, right[3] = {1, 0, 0}, up[3], extent[3] = {0, 0, 0};
     int axis = 2;
@@ -94,7 +94,7 @@ double mcv_rig_usual(double x, bool above) {
     static const double series[] = {1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8, 10};
     enum { COUNT = sizeof series / sizeof series[0] };
     const double decade = pow(10, floor(log10(x) + 1e-12));
-    const double tiny = 1e-9; /* what is a member of the series but for rounding stays */
+    const double tiny = 1e-9; /* a member of the series stays, up to rounding */
     for (int i = 0; i < COUNT && above; ++i)
         if (series[i] * decade >= x * (1 - tiny)) return series[i] * decade;
     for (int i = COUNT; i-- > 0 && !above;)
@@ -109,9 +109,8 @@ static void set_field(mcv_rig_design *r) {
 }
 
 /*
- * The smallest of the usual f-numbers at which all of the part is blurred by a pixel at most: a
- * depth z from the plane in focus is blurred by z m²/N in the image, to first order. The largest
- * where none is enough.
+ * The smallest standard f-number at which the whole part is blurred by at most a pixel, or the
+ * largest. To first order, a depth z from the plane in focus is blurred by z m²/N in the image.
  */
 static double choose_f_number(const mcv_rig_design *r) {
     static const double usual[] = {4, 5.6, 8, 11, 16};
@@ -131,7 +130,7 @@ static double wished_magnification(const mcv_rig_design *r) {
                                        : r->wishes.magnification;
 }
 
-/* `least`: the working distance that the light asks for. */
+/* `least`: the smallest working distance that leaves room for the light. */
 static void choose_telecentric(mcv_rig_design *r, double least) {
     const double wished = wished_magnification(r),
                  needed[2] = {margin * r->across[0],
@@ -150,8 +149,8 @@ static void choose_telecentric(mcv_rig_design *r, double least) {
     r->focal_length = r->working_distance * m / (1 + m);
 }
 
-/* At which a focal length frames the part. The nearest face must fit: the field there is (W -
- * depth/2)/W of that in focus. */
+/* The distance at which a focal length frames the part. Its nearest face must fit: the field there
+ * is (W - depth/2)/W of that in focus. */
 static double framing_distance(const mcv_rig_design *r, double f, double scale) {
     /* W - depth/2 = scale b with b = W f/(W - f): the larger root of W² - (scale f + f + depth/2) W
      * + f depth/2 = 0. */
@@ -159,14 +158,14 @@ static double framing_distance(const mcv_rig_design *r, double f, double scale) 
     return p + sqrt(fmax(0, p * p - f * half));
 }
 
-/* Whether the camera stands far enough: three fields away for a mild perspective, and where the
- * light leaves it room. */
+/* Is the camera far enough away: three fields, for a mild perspective, and with room for the
+ * light? */
 static bool is_far_enough(const mcv_rig_design *r, double f, double distance, double field,
                           double least) {
     const double lens = f / (distance - f) * distance / choose_f_number(r); /* b/N */
     if (distance < fmax(least, 3 * field + r->depth)) return false;
-    /* The panel lights a cone within the pupil from everywhere in the field if the lens is wider
-     * than that (light.c). */
+    /* If the lens is wider than the panel's cone, the panel lights that cone from everywhere in the
+     * field (light.c). */
     return r->wishes.kind != MCV_RIG_TRANSPARENT ||
            lens >= 1.2 * field * hypot(1, film_side(r, 1) / film_side(r, 0));
 }
@@ -206,8 +205,9 @@ static mcv_result check_wishes(const mcv_rig_design *r, mcv_error *error) {
     const mcv_rig_wishes *w = &r->wishes;
     const bool scale = w->magnification > 0 || w->field_of_view > 0;
     if (w->magnification > 0 && w->field_of_view > 0)
-        return mcv_fail(error, MCV_USAGE,
-                        "--magnification and --field-of-view say the same: give one of them");
+        return mcv_fail(
+            error, MCV_USAGE,
+            "--magnification and --field-of-view determine each other: give one of them");
     if (w->kind == MCV_RIG_TELECENTRIC && w->focal_length > 0 && w->working_distance > 0)
         return mcv_fail(error, MCV_USAGE,
                         "--focal-length follows from the working distance and the magnification of "
@@ -220,7 +220,8 @@ static mcv_result check_wishes(const mcv_rig_design *r, mcv_error *error) {
         w->light != MCV_RIG_LIGHT_BACKLIGHT)
         return mcv_fail(
             error, MCV_USAGE,
-            "--light %s: a transparent part is lit from behind: leave it out, or take another kind",
+            "--light %s: a transparent part is lit from behind: leave it out, or choose another "
+            "kind of rig",
             mcv_rig_lights[w->light]);
     return MCV_OK;
 }
@@ -247,21 +248,21 @@ mcv_result mcv_rig_choose(const mcv_rig_wishes *wishes, mcv_rig_design *r, mcv_e
         r->f_number = choose_f_number(r);
         if (!(r->magnification > 1e-6 && r->magnification < 1e4 &&
               r->working_distance - 0.5 * r->depth > r->focal_length))
-            return mcv_fail(error, MCV_BAD_INPUT,
-                            "%s: no usual lens sees a part of %.3g m x %.3g m x %.3g m%s: is "
-                            "--unit right, which is %s?",
-                            wishes->part, r->across[0], r->across[1], r->depth,
-                            wishes->working_distance > 0 || wishes->focal_length > 0 ? " as wished"
-                                                                                     : "",
-                            wishes->unit ? wishes->unit : "m by default");
+            return mcv_fail(
+                error, MCV_BAD_INPUT,
+                "%s: no standard lens frames a part of %.3g m x %.3g m x %.3g m%s: is the unit "
+                "%s right?",
+                wishes->part, r->across[0], r->across[1], r->depth,
+                wishes->working_distance > 0 || wishes->focal_length > 0 ? " as wished" : "",
+                wishes->unit ? wishes->unit : "m");
         mcv_rig_choose_light(r);
         if (r->light.reach <= r->working_distance) return MCV_OK;
         least = fmin(1.05 * r->light.reach, 1.5 * r->working_distance);
     }
-    return mcv_fail(error, MCV_USAGE,
-                    "a %s light for this part reaches %s towards the camera, whose lens is %s "
-                    "away: wish for a larger --f-number, a longer "
-                    "--working-distance or --focal-length",
-                    mcv_rig_lights[r->light.type], mcv_rig_length(r->light.reach, 3),
-                    mcv_rig_length(r->working_distance, 3));
+    return mcv_fail(
+        error, MCV_USAGE,
+        "a %s light for this part extends %s towards the camera, whose lens is %s away: give "
+        "a larger --f-number, a longer --working-distance or --focal-length",
+        mcv_rig_lights[r->light.type], mcv_rig_length(r->light.reach, 3),
+        mcv_rig_length(r->working_distance, 3));
 }

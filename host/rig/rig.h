@@ -1,21 +1,20 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A rig around a part: optics of usual sizes that frame it and a light as it would stand on a
- * bench, as a scene for people to read and edit. What is wished is kept, the rest is chosen for the
- * part's size.
+ * A rig around a part: standard optics that frame it and a light in a realistic place, as a scene
+ * to read and edit. The user's wishes are kept; the rest is chosen for the part's size.
  */
 #ifndef MCVISI_HOST_RIG_RIG_H
 #define MCVISI_HOST_RIG_RIG_H
 
 #include "core/error.h"
 
-/* X(NAME, "word"): kinds of camera; the last is the report's experiment (section 5): light field
- * camera and parallel panel. */
+/* X(NAME, "word"): kinds of camera. The last one is the report's experiment (section 5): light
+ * field camera and parallel panel. */
 #define MCV_RIG_KINDS(X) \
     X(TELECENTRIC, "telecentric") \
     X(ENTOCENTRIC, "entocentric") X(LIGHT_FIELD, "lightfield") X(TRANSPARENT, "transparent")
 
-/* Kinds of light; the first is the usual one of the camera: a ring, or behind the part for
+/* Kinds of light. The first one is the camera's default: a ring, or a light behind the part for
  * telecentric and transparent. */
 #define MCV_RIG_LIGHTS(X) \
     X(AUTO, "auto") \
@@ -35,12 +34,12 @@ enum {
 extern const char *const mcv_rig_kinds[MCV_RIG_KIND_COUNT];
 extern const char *const mcv_rig_lights[MCV_RIG_LIGHT_COUNT];
 
-/* What a rig shall have; NULL and 0: chosen. Lengths in metres. */
+/* What the user wishes; NULL and 0: chosen. Lengths in metres. */
 typedef struct mcv_rig_wishes {
     int kind, light;
     const char *part;     /* a .stl, .glb or .gltf file */
-    const char *unit;     /* of its lengths, as MCVISI_assets takes it; must be given for .stl */
-    const char *material; /* a metal, a glass or a type of material, in place of the part's own */
+    const char *unit;     /* unit of its lengths, as in MCVISI_assets; required for .stl */
+    const char *material; /* a metal, a glass or a type of material that replaces the part's own */
     const char *view; /* front, back, left, right, top, bottom (+z, -z, -x, +x, +y, -y), or X,Y,Z:
                          the side that faces the camera */
     uint32_t resolution[2]; /* pixels of the film; macro pixels of a light field camera */
@@ -48,7 +47,7 @@ typedef struct mcv_rig_wishes {
     double field_of_view; /* width, in the plane in focus */
 } mcv_rig_wishes;
 
-/* What stands before or behind the part. What its kind does not have is 0. */
+/* The light before or behind the part. Fields that its kind does not have are 0. */
 typedef struct mcv_rig_light {
     int type;        /* MCV_RIG_LIGHT_…, not AUTO */
     double distance; /* from the part's middle towards the camera; of a backlight away from it */
@@ -56,7 +55,7 @@ typedef struct mcv_rig_light {
     double half_angle;   /* [degrees] */
     double inner, outer; /* diameters */
     double tilt;         /* [degrees] */
-    double reach;        /* how far it reaches towards the camera */
+    double reach;        /* extent towards the camera */
 } mcv_rig_light;
 
 typedef struct mcv_rig_design {
@@ -76,12 +75,12 @@ typedef struct mcv_rig_design {
 } mcv_rig_design;
 
 /*
- * Reads the part and chooses. MCV_USAGE for wishes that contradict each other, MCV_BAD_INPUT for a
- * part that cannot be read or that no usual lens sees.
+ * Reads the part and chooses. MCV_USAGE for contradictory wishes, MCV_BAD_INPUT for a part that
+ * cannot be read or that no standard lens frames.
  */
 mcv_result mcv_rig_choose(const mcv_rig_wishes *wishes, mcv_rig_design *rig, mcv_error *error);
 
-/* light.c: the light about the chosen camera. */
+/* light.c: the light for the chosen camera. */
 void mcv_rig_choose_light(mcv_rig_design *rig);
 
 /* The diameter of the view, at a distance from the plane in focus towards the camera (negative:
@@ -89,14 +88,14 @@ void mcv_rig_choose_light(mcv_rig_design *rig);
 double mcv_rig_view(const mcv_rig_design *rig, double distance);
 double mcv_rig_view_side(const mcv_rig_design *rig, int axis, double distance);
 
-/* The next number of the usual series (1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8 of each decade) at or
+/* The next number of the standard series (1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8 of each decade) at or
  * above x, or at or below it. */
 double mcv_rig_usual(double x, bool above);
 
 /*
- * write.c: writes the rig; NULL: PART-KIND.gltf beside the part. The part must lie in the rig's
- * folder or below it. An existing file that differs is replaced by `force` only (MCV_USAGE); one
- * that does not is left as it is. `path` gets the name, of PATH_MAX bytes.
+ * write.c: writes the rig; output NULL: PART-KIND.gltf beside the part. The part must lie in the
+ * rig's folder or below it. An existing file with other contents is replaced only with `force`
+ * (MCV_USAGE otherwise). `path`, of PATH_MAX bytes, gets the name.
  */
 mcv_result mcv_rig_write(const mcv_rig_design *rig, const char *output, bool force, char *path,
                          mcv_error *error);
@@ -106,8 +105,8 @@ mcv_result mcv_rig_write(const mcv_rig_design *rig, const char *output, bool for
 mcv_result mcv_rig_text(const mcv_rig_design *rig, const char *uri, char **text, size_t *size,
                         mcv_error *error);
 
-/* "12.5mm": so many digits in the unit that suits. Three of them are on their way to printf at
- * most. */
+/* "12.5mm": the length with this many digits, in a suitable unit. At most three results can be used
+ * at a time. */
 const char *mcv_rig_length(double metres, int digits);
 
 #endif

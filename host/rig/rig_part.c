@@ -44,10 +44,11 @@ static mcv_result read_stl(mcv_rig_design *r, double unit, mcv_error *error) {
     if (result == MCV_OK) add_points(r, scene->meshes + mesh, &identity, unit);
     mcv_scene_free(scene);
     if (result == MCV_OK && !r->wishes.unit)
-        return mcv_fail(error, MCV_USAGE,
-                        "%s: an .stl file does not tell its unit: the part is %.4g x %.4g x %.4g "
-                        "of it; give --unit, most are in mm",
-                        path, size[0], size[1], size[2]);
+        return mcv_fail(
+            error, MCV_USAGE,
+            "%s: an .stl file does not state its unit: the part is %.4g x %.4g x %.4g units "
+            "large; give --unit; most files use mm",
+            path, size[0], size[1], size[2]);
     return result;
 }
 
@@ -58,9 +59,8 @@ static mcv_result read_gltf(mcv_rig_design *r, double unit, mcv_error *error) {
         add_points(r, scene->meshes + scene->instances[i].mesh, &scene->instances[i].to_world,
                    unit);
     mcv_scene_free(scene);
-    return r->triangles
-               ? MCV_OK
-               : mcv_fail(error, MCV_BAD_INPUT, "%s: holds no mesh to look at", r->wishes.part);
+    return r->triangles ? MCV_OK
+                        : mcv_fail(error, MCV_BAD_INPUT, "%s: has no mesh", r->wishes.part);
 }
 
 mcv_result mcv_rig_read_part(mcv_rig_design *r, mcv_error *error) {
@@ -82,7 +82,7 @@ mcv_result mcv_rig_read_part(mcv_rig_design *r, mcv_error *error) {
     MCV_TRY(r->stl ? read_stl(r, unit, error) : read_gltf(r, unit, error));
     for (int i = 0; i < 3; ++i) largest = fmax(largest, r->upper[i] - r->lower[i]);
     return largest > 0 ? MCV_OK
-                       : mcv_fail(error, MCV_BAD_INPUT, "%s: all of it is one point", path);
+                       : mcv_fail(error, MCV_BAD_INPUT, "%s: its vertices are all one point", path);
 }
 
 /* --- its material --- */
@@ -93,7 +93,7 @@ int mcv_rig_word_index(const char *word, const char *const *words) {
     return -1;
 }
 
-/* Types that need no parameters; diffuse as grey as a part without a wish. */
+/* Types without required parameters; diffuse is as grey as the default. */
 static const char *const plain_types[] = {
     "diffuse", "dielectric", "mirror", "absorber", "retroreflector", "metallicRoughness", NULL};
 
@@ -113,10 +113,15 @@ static mcv_result fail_material(const char *name, mcv_error *error) {
                      lists[k][i]);
         }
     const char *nearest = mcv_nearest_word(name, words, n);
+    char metals[256];
+    if (mcv_is_metal(name, metals) && !(nearest && mcv_is_metal(nearest, metals)))
+        return mcv_fail(error, MCV_USAGE, "--material %s: there is none: %s", name, metals);
     if (nearest)
-        return mcv_fail(error, MCV_USAGE, "--material %s: there is none: did you mean %s?", name,
+        return mcv_fail(error, MCV_USAGE,
+                        "--material %s: there is no such material: did you mean %s?", name,
                         nearest);
-    return mcv_fail(error, MCV_USAGE, "--material %s: there is none: known are %s", name, list);
+    return mcv_fail(error, MCV_USAGE, "--material %s: there is no such material: known are %s",
+                    name, list);
 }
 
 mcv_result mcv_rig_choose_material(mcv_rig_design *r, mcv_error *error) {

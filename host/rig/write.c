@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A rig as glTF, written for people to read and edit: a line for each thing. */
+/* Writes a rig as glTF that people can read and edit: one line per element. */
 #include "rig/rig.h"
 
 #include "core/basics.h"
@@ -38,7 +38,7 @@ static bool is_light_field(const mcv_rig_design *r) {
     return r->wishes.kind == MCV_RIG_LIGHT_FIELD || r->wishes.kind == MCV_RIG_TRANSPARENT;
 }
 
-/* Where something of the lens is wished, what follows from it must not be rounded. */
+/* If the user wishes something of the lens, quantities that follow from it must not be rounded. */
 static int lens_digits(const mcv_rig_design *r) {
     const mcv_rig_wishes *w = &r->wishes;
     return w->focal_length > 0 || w->working_distance > 0 || w->magnification > 0 ||
@@ -113,7 +113,7 @@ static void print_pose(FILE *out, double distance, int digits, double azimuth, d
     fprintf(out, ", \"roll\": \"%gdeg\"}", roll);
 }
 
-/* The uri: of a path, what is not plain is percent-encoded. */
+/* Prints a path as a URI; special characters are percent-encoded. */
 static void print_uri(FILE *out, const char *path) {
     for (const unsigned char *c = (const unsigned char *)path; *c; ++c)
         if (isalnum(*c) || strchr("-._~/", *c))
@@ -124,13 +124,14 @@ static void print_uri(FILE *out, const char *path) {
 
 static void print_note(FILE *out, const mcv_rig_design *r) {
     static const char *const lights[MCV_RIG_LIGHT_COUNT] = {
-        [MCV_RIG_LIGHT_BACKLIGHT] = "it stands dark before a backlight",
-        [MCV_RIG_LIGHT_RING] = "a ring light is about the view",
+        [MCV_RIG_LIGHT_BACKLIGHT] = "it is dark before a backlight",
+        [MCV_RIG_LIGHT_RING] = "a ring light surrounds the view",
         [MCV_RIG_LIGHT_DARK_FIELD] =
-            "a low ring lights it at 7 to 23 degrees, so that edges, scratches and dust shine",
+            "a low ring lights it at 7 to 23 degrees, so that edges, scratches and dust are "
+            "bright",
         [MCV_RIG_LIGHT_COAXIAL] =
-            "light comes along the view by a half mirror, so that flat polished faces shine",
-        [MCV_RIG_LIGHT_DOME] = "a dome lights it from everywhere, with few highlights and shadows"};
+            "a half mirror sends light along the view, so that flat polished faces are bright",
+        [MCV_RIG_LIGHT_DOME] = "a dome lights it from all sides, with few highlights and shadows"};
     switch (r->wishes.kind) {
     case MCV_RIG_TELECENTRIC:
         fprintf(out, "A telecentric camera sees the part");
@@ -145,16 +146,17 @@ static void print_note(FILE *out, const mcv_rig_design *r) {
         break;
     }
     if (r->wishes.kind == MCV_RIG_TRANSPARENT)
-        fprintf(out, " before a parallel panel: what turns light aside shows in `mcvisi lightfield "
+        fprintf(out, " before a parallel panel: what deflects light shows in `mcvisi lightfield "
                      "emd-gradient`. ");
     else if (r->wishes.kind == MCV_RIG_TELECENTRIC && r->light.type == MCV_RIG_LIGHT_BACKLIGHT)
-        fprintf(out,
-                " before a backlight: silhouettes that do not grow with nearness, for measuring. ");
+        fprintf(
+            out,
+            " before a backlight: the size of its silhouette does not depend on the distance. ");
     else
         fprintf(out, "; %s. ", lights[r->light.type]);
     fprintf(out, "The part is %s x %s across and %s deep, ", length(r->across[0]),
             length(r->across[1]), length(r->depth));
-    fprintf(out, "the field in focus %s x %s. Lengths: metres, or texts with a unit.",
+    fprintf(out, "the field in focus %s x %s. Lengths are in metres, or strings with a unit.",
             length(r->field[0]), length(r->field[1]));
 }
 
@@ -167,8 +169,8 @@ static void print_asset(FILE *out, const mcv_rig_design *r, const char *uri) {
             r->needs_normals ? ", \"creaseAngle\": \"30deg\"" : "");
 }
 
-/* The middle of the part along an axis without the digits in which its corners, of single
- * precision, are not known. */
+/* The middle of the part along an axis, rounded to the precision of its single-precision
+ * corners. */
 static double known_middle(const mcv_rig_design *r, int axis) {
     const double largest = fmax(fabs(r->lower[axis]), fabs(r->upper[axis]));
     if (largest == 0) return 0;
@@ -206,9 +208,8 @@ static void print_rig(FILE *out, const mcv_rig_design *r, const char *uri) {
             "    {\"name\": \"part\", \"extensions\": {\"MCVISI_assets\": {\"asset\": 0}}},\n");
     fprintf(out, "    {\"name\": \"centre\", \"translation\": [%.9g, %.9g, %.9g], ",
             known_middle(r, 0), known_middle(r, 1), known_middle(r, 2));
-    fprintf(
-        out,
-        "\"extras\": {\"note\": \"The middle of the part, at which camera and light look.\"}},\n");
+    fprintf(out, "\"extras\": {\"note\": \"The middle of the part, the target of camera and "
+                 "light.\"}},\n");
     fprintf(out,
             "    {\"name\": \"camera\", \"extensions\": {\"MCVISI_sensors\": {\"sensor\": 0}, ");
     print_pose(out, r->working_distance, lens_digits(r), r->azimuth, r->elevation, r->roll);
@@ -239,8 +240,8 @@ static mcv_result plan_output(const mcv_rig_design *r, const char *output, char 
     return mcv_output_check(path, error);
 }
 
-/* The part's path from the rig's folder, in or below which it must lie: a rig and its parts move
- * together. */
+/* The part's path relative to the rig's folder, in or below which it must lie, so that a rig and
+ * its parts move together. */
 static mcv_result find_uri(const char *rig_path, const char *part_path, char uri[PATH_MAX],
                            mcv_error *error) {
     char copy[PATH_MAX], folder[PATH_MAX], file[PATH_MAX];
@@ -250,7 +251,7 @@ static mcv_result find_uri(const char *rig_path, const char *part_path, char uri
     if (!realpath(dirname(copy), folder))
         return mcv_fail(error, MCV_BAD_INPUT, "%s: %s", rig_path, strerror(errno));
     size_t start = strlen(folder);
-    if (start > 1) ++start; /* but for the root, the slash comes behind it */
+    if (start > 1) ++start; /* except for the root, the slash follows */
     if (strncmp(file, folder, start - 1) != 0 || file[start - 1] != '/')
         return mcv_fail(error, MCV_USAGE,
                         "%s does not lie in the folder of %s or below it: copy it there, or write "
@@ -260,7 +261,7 @@ static mcv_result find_uri(const char *rig_path, const char *part_path, char uri
     return MCV_OK;
 }
 
-/* What people have edited is not written over by a second `new`. */
+/* A second `new` must not overwrite what people have edited. */
 static mcv_result replace(const char *path, const char *text, size_t size, bool force,
                           mcv_error *error) {
     uint8_t *old;
@@ -270,10 +271,11 @@ static mcv_result replace(const char *path, const char *text, size_t size, bool 
         const bool same = old_size == size && memcmp(old, text, size) == 0;
         free(old);
         if (same) return MCV_OK;
-        return mcv_fail(error, MCV_USAGE,
-                        "%s exists and holds something else, perhaps edited: --force replaces it, "
-                        "-o takes another name",
-                        path);
+        return mcv_fail(
+            error, MCV_USAGE,
+            "%s exists with other contents, perhaps edited: replace it by --force, or give "
+            "another name by -o",
+            path);
     }
     return mcv_output_whole(path, text, size, error);
 }

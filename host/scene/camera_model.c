@@ -191,5 +191,6 @@ mcv_result mcv_camera_model_node(const mcv_camera_model *model, const char *name
                         name, nearest);
     return mcv_fail(error, MCV_USAGE, "%s: there is no node \"%s\" among the %u that it names%s",
                     what, name, model->node_count,
-                    model->node_count == MCV_CAMERA_MODEL_NODES ? ": --scene knows all" : "");
+                    model->node_count == MCV_CAMERA_MODEL_NODES ? ": give --scene, which has all"
+                                                                : "");
 }

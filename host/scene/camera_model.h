@@ -32,10 +32,13 @@
 /* So many nodes stand in a header, the rig's before those of its assets. */
 enum { MCV_CAMERA_MODEL_NODES = 64 };
 
-/* Of a cell of the image: the render's standard error [DN] of pixels below a grey value, and of
- * those from it on. */
+/*
+ * Of a cell of the image: the render's standard error [DN] of quiet pixels below a grey value, and
+ * of those from it on. At an edge it grows with the grey values about a pixel: its square by edges²
+ * (largest - value)(value - smallest) of the 3 x 3 pixels.
+ */
 typedef struct mcv_error_cell {
-    double level, errors[2];
+    double level, errors[2], edges[2];
 } mcv_error_cell;
 
 /* The render's own error of grey values (analysis/render_error.h); no items: not told. */

@@ -50,25 +50,38 @@ static json_t *node_of(const mcv_placement *frame) {
     return node;
 }
 
-/* Errors in whole thousandths of a grey value: numbers of few digits. */
-static const double error_steps = 1000;
+/* The lists of a render's error, one number of each per cell. Errors are whole thousandths of a
+ * grey value, at edges millionths of the step: numbers of few digits. */
+enum { ERROR_LISTS = 5, FIRST_EDGE_LIST = 3 };
+static const struct {
+    const char *key;
+    double steps;
+} error_lists[ERROR_LISTS] = {{"level", 1},
+                              {"milliBelow", 1e3},
+                              {"milliAbove", 1e3},
+                              {"microEdgeBelow", 1e6},
+                              {"microEdgeAbove", 1e6}};
+
+static double *number_of(mcv_error_cell *cell, int list) {
+    return list == 0                ? &cell->level
+           : list < FIRST_EDGE_LIST ? cell->errors + list - 1
+                                    : cell->edges + list - FIRST_EDGE_LIST;
+}
 
 static void put_render_error(json_t *object, const mcv_render_error *e) {
-    json_t *render = json_object(), *lists[3] = {json_array(), json_array(), json_array()};
+    json_t *render = json_object();
     const size_t count = (size_t)e->cells[0] * e->cells[1] * e->channels;
     put_pair(render, "cells", e->cells);
     json_object_set_new(render, "channels", json_integer(e->channels));
     put_numbers(render, "correlation", e->correlation, 3);
     put_number(render, "freedom", e->freedom);
-    for (size_t i = 0; i < count; ++i) {
-        json_array_append_new(lists[0], json_integer((json_int_t)e->items[i].level));
-        for (int k = 0; k < 2; ++k)
-            json_array_append_new(lists[1 + k],
-                                  json_integer(llround(error_steps * e->items[i].errors[k])));
+    for (int k = 0; k < ERROR_LISTS; ++k) {
+        json_t *list = json_array();
+        for (size_t i = 0; i < count; ++i)
+            json_array_append_new(
+                list, json_integer(llround(error_lists[k].steps * *number_of(e->items + i, k))));
+        json_object_set_new(render, error_lists[k].key, list);
     }
-    json_object_set_new(render, "level", lists[0]);
-    json_object_set_new(render, "milliBelow", lists[1]);
-    json_object_set_new(render, "milliAbove", lists[2]);
     json_object_set_new(object, "renderError", render);
 }
 
@@ -192,18 +205,17 @@ static mcv_result get_render_error(const json_t *object, mcv_render_error *out,
         count != (uint64_t)out->cells[0] * out->cells[1] * (uint64_t)channels)
         return mcv_fail_at(&here, error, "must have a level for each of cells x channels");
     out->channels = (uint32_t)channels;
-    double *lists = calloc(3 * count, sizeof *lists);
+    double *list = calloc(count, sizeof *list);
     mcv_error_cell *items = calloc(count, sizeof *items);
-    mcv_result result = lists && items ? MCV_OK : mcv_fail_memory(where, error);
-    if (result == MCV_OK) result = get_matrix(render, "level", 1, count, lists, &here, error);
-    if (result == MCV_OK)
-        result = get_matrix(render, "milliBelow", 1, count, lists + count, &here, error);
-    if (result == MCV_OK)
-        result = get_matrix(render, "milliAbove", 1, count, lists + 2 * count, &here, error);
-    for (size_t i = 0; result == MCV_OK && i < count; ++i)
-        items[i] = (mcv_error_cell){
-            lists[i], {lists[count + i] / error_steps, lists[2 * count + i] / error_steps}};
-    free(lists);
+    mcv_result result = list && items ? MCV_OK : mcv_fail_memory(where, error);
+    for (int k = 0; result == MCV_OK && k < ERROR_LISTS; ++k) {
+        /* Older files do not tell edges apart. */
+        if (k >= FIRST_EDGE_LIST && !json_object_get(render, error_lists[k].key)) continue;
+        result = get_matrix(render, error_lists[k].key, 1, count, list, &here, error);
+        for (size_t i = 0; result == MCV_OK && i < count; ++i)
+            *number_of(items + i, k) = list[i] / error_lists[k].steps;
+    }
+    free(list);
     out->items = result == MCV_OK ? items : NULL;
     if (result != MCV_OK) free(items);
     return result;

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The parameters of all elements as structs and tables. Both follow from the lists of
+/* The parameters of all elements as structs and tables, generated from the lists of
  * mcvisi/elements.h and of each element's header. */
 #ifndef MCVISI_HOST_SCENE_ELEMENTS_H
 #define MCVISI_HOST_SCENE_ELEMENTS_H
@@ -14,8 +14,8 @@
 #include "mcvisi/presets/ring.h"
 #include "mcvisi/surfaces/surfaces.h"
 
-/* The parameter structs mcv_<name>_params. `end` stands for the absorber, which has no parameters:
- * C has no empty structs. */
+/* The parameter structs mcv_<name>_params. `end` keeps that of the absorber, which has no
+ * parameters, from being empty: C does not allow empty structs. */
 #define MCV_X(name, key, NAME) \
     typedef struct mcv_##name##_params { \
         MCV_##NAME##_PARAMS(MCV_DEFINE_FIELD) char end; \
@@ -26,8 +26,8 @@ MCV_PRESETS(MCV_X)
 MCV_MATERIALS(MCV_X)
 #undef MCV_X
 
-/* All parameters of `params` at their defaults (NaN where unset), for hand-made elements: table
- * from mcv_<kind>_table(type). */
+/* Sets all parameters of `params` to their defaults (NaN if unset), for elements made by hand;
+ * table from mcv_<kind>_table(type). */
 typedef struct mcv_param_table {
     const mcv_param *params;
     size_t count;
@@ -37,7 +37,7 @@ mcv_param_table mcv_sensor_table(uint32_t type);
 mcv_param_table mcv_emitter_table(uint32_t type); /* presets too */
 mcv_param_table mcv_material_table(uint32_t type);
 void mcv_params_set_defaults(mcv_param_table table, void *params);
-/* A parameter's field of params, or NULL where the table has none of that name. */
+/* The field of a parameter in params, or NULL if the table has no such key. */
 void *mcv_params_find(mcv_param_table table, const char *key, const void *params);
 
 #endif

@@ -21,6 +21,12 @@ bool mcv_emitter_is_point_light(uint32_t type) {
 #undef MCV_X
 }
 
+bool mcv_emitter_is_surface_light(uint32_t type) {
+#define MCV_X(name, key, NAME) || type == MCV_EMITTER_##NAME
+    return false MCV_SURFACE_LIGHTS(MCV_X);
+#undef MCV_X
+}
+
 bool mcv_emitter_has_surface(uint32_t type) {
     return type != MCV_EMITTER_ENVIRONMENT && type != MCV_EMITTER_DIRECTIONAL &&
            !mcv_emitter_is_point_light(type);
@@ -29,9 +35,9 @@ bool mcv_emitter_has_surface(uint32_t type) {
 mcv_result mcv_emitter_check(mcv_emitter *emitter, const mcv_json_path *place, mcv_error *error) {
     if (mcv_emitter_half_angle(emitter) == 0) {
         const mcv_json_path here = mcv_json_path_key(place, "halfAngle");
-        return mcv_fail_at(&here, error,
-                           "0 would be a collimated beam: use the type \"collimatedBeam\", or give "
-                           "an angle above 0");
+        return mcv_fail_at(
+            &here, error,
+            "0 is a collimated beam: use the type \"collimatedBeam\", or give an angle above 0");
     }
     MCV_TRY(mcv_params_check(mcv_emitter_table(emitter->type), &emitter->as, place, error));
     if (emitter->type == MCV_EMITTER_PROJECTOR) {
@@ -234,7 +240,7 @@ void mcv_emitter_image_mean(const mcv_scene *scene, const mcv_emitter *emitter, 
 
 double mcv_emitter_solid_angle(const mcv_emitter *emitter) {
     if (emitter->type == MCV_EMITTER_PROJECTOR) return (double)NAN;
-    if (emitter->type == MCV_EMITTER_AREA) return 2 * M_PI;
+    if (mcv_emitter_is_surface_light(emitter->type)) return 2 * M_PI;
     if (emitter->type == MCV_EMITTER_ENVIRONMENT || emitter->type == MCV_EMITTER_POINT)
         return 4 * M_PI;
     if (emitter->type == MCV_EMITTER_COLLIMATED_BEAM || emitter->type == MCV_EMITTER_DIRECTIONAL)
@@ -314,10 +320,10 @@ mcv_result mcv_emitter_resolve(const mcv_scene *scene, mcv_emitter *emitter,
     mcv_emitter_image_mean(scene, emitter, mean);
     for (int i = 0; i < 3; ++i) {
         if (power[i] > 0 && mean[i] == 0)
-            return mcv_fail_at(place, error,
-                               "its image is black in channel %c, so that no %s gives a power of "
-                               "%g W there: give %s",
-                               "RGB"[i], key, power[i], key);
+            return mcv_fail_at(
+                place, error,
+                "its image is black in channel %c, so no %s gives a power of %g W there: give %s",
+                "RGB"[i], key, power[i], key);
         emitter->radiance[i] =
             power[i] > 0 ? power[i] / (mcv_emitter_unit_power(scene, emitter) * mean[i]) : 0;
     }

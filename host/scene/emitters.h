@@ -5,12 +5,16 @@
 
 #include "core/json_path.h"
 #include "mcvisi/point_light.h"
+#include "mcvisi/surface_light.h"
 #include "scene/scene.h"
 
 /* Is it a light without extent (MCV_POINT_LIGHTS)? */
 bool mcv_emitter_is_point_light(uint32_t type);
 
-/* Where such a light's range ends [m]; NaN: nowhere. */
+/* Does its radiance depend on the angle from its surface's normal alone (MCV_SURFACE_LIGHTS)? */
+bool mcv_emitter_is_surface_light(uint32_t type);
+
+/* Where a light's range ends, of those without extent [m]; NaN: nowhere. */
 const double *mcv_emitter_range(const mcv_emitter *emitter);
 
 /* Does this type emit from the surface of an instance? */
@@ -96,6 +100,7 @@ void mcv_collimated_beam_prepare(const mcv_scene *scene, uint32_t index,
 /* Lights without extent, in a world whose origin is moved to `centre`. */
 void mcv_point_light_prepare(const mcv_scene *scene, uint32_t index, const double centre[3],
                              mcv_point_light *device);
+void mcv_surface_light_prepare(const mcv_scene *scene, uint32_t index, mcv_surface_light *device);
 void mcv_directional_prepare(const mcv_scene *scene, uint32_t index, mcv_directional *device);
 
 #endif

@@ -105,6 +105,11 @@ void mcv_collimated_beam_prepare(const mcv_scene *scene, uint32_t index,
     forward(to_world, device->axis);
 }
 
+void mcv_surface_light_prepare(const mcv_scene *scene, uint32_t index, mcv_surface_light *device) {
+    const mcv_emitter *emitter = scene->emitters + index;
+    *device = (mcv_surface_light){.distribution = emitter->type};
+}
+
 void mcv_point_light_prepare(const mcv_scene *scene, uint32_t index, const double centre[3],
                              mcv_point_light *device) {
     const mcv_emitter *emitter = scene->emitters + index;

@@ -11,8 +11,8 @@ uint32_t mcv_scene_instance_of(const mcv_scene *scene, uint32_t global) {
         const uint32_t piece = global - scene->triangle_count;
         return scene->solids[piece / 3].instances[piece % 3];
     }
-    /* The last instance that starts at or before the triangle: later ones without triangles do not
-     * hold it. */
+    /* The last instance that starts at or before the triangle; instances without triangles are
+     * skipped. */
     uint32_t low = 0, high = scene->instance_count;
     while (high - low > 1) {
         const uint32_t middle = low + (high - low) / 2;

@@ -2,11 +2,12 @@
 /*
  * Sellmeier coefficients of glasses and plastics, in the order of the options of `glass` after
  * "none" (mcvisi/params.h): n² = 1 + Σ B_i λ²/(λ² - C_i), λ and √C_i in µm, in air at 20 to 22 °C.
- * Schott's glasses from their data sheets (Optical Glass, Collection Datasheets); fused silica: I.
- * H. Malitson, J. Opt. Soc. Am. 55, 1205 (1965); water: M. Daimon and A. Masumura, Appl. Opt. 46,
- * 3811 (2007), 20 °C, relative to vacuum; PMMA, polycarbonate: n_d and V_d of N. Sultanova, S.
- * Kasarova and I. Nikolov, Acta Phys. Pol. A 116, 585 (2009), and within 0.002 of their table from
- * 437 to 1052 nm.
+ *
+ * Schott's glasses: their data sheets (Optical Glass, Collection Datasheets). Fused silica: I. H.
+ * Malitson, J. Opt. Soc. Am. 55, 1205 (1965). Water: M. Daimon and A. Masumura, Appl. Opt. 46, 3811
+ * (2007), 20 °C, relative to vacuum. PMMA and polycarbonate: n_d and V_d of N. Sultanova, S.
+ * Kasarova and I. Nikolov, Acta Phys. Pol. A 116, 585 (2009); they agree with the table there
+ * within 0.002 from 437 to 1052 nm.
  */
 #include "scene/scene.h"
 #include "scene/spectra.h"
@@ -52,7 +53,7 @@ static const struct {
     {{-0.4176267, 1.8387337}, {0, 0.0163}},
 };
 
-/* Beyond these wavelengths some of them are opaque, and the formula is not theirs. */
+/* Outside this range some of them are opaque, and the formula does not apply. */
 static const double shortest = 0.35, longest = 2.0;
 
 double mcv_cauchy_index(double n_d, double abbe_number, double wavelength) {

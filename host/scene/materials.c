@@ -23,9 +23,15 @@ mcv_roughness mcv_material_roughness(const mcv_material *material) {
     }
 }
 
-bool mcv_material_is_reflector(uint32_t type) {
+bool mcv_material_is_scatterer(uint32_t type) {
 #define MCV_X(name, key, NAME) || type == MCV_MATERIAL_##NAME
-    return false MCV_REFLECTORS(MCV_X);
+    return false MCV_SCATTERERS(MCV_X);
+#undef MCV_X
+}
+
+bool mcv_material_is_plate(uint32_t type) {
+#define MCV_X(name, key, NAME) || type == MCV_MATERIAL_##NAME
+    return false MCV_PLATES(MCV_X);
 #undef MCV_X
 }
 

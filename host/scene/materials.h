@@ -5,10 +5,10 @@
 
 #include "scene/scene.h"
 
-/* What microfacets lose is tabled for one channel's indices: green's. */
+/* The albedos of microfacets are tabulated for the indices of one channel: green. */
 enum { MCV_ALBEDO_CHANNEL = 1 };
 
-/* The microfacets of a material; all 0 where it is smooth or has none. */
+/* The microfacets of a material; all 0 if it is smooth or has none. */
 typedef struct mcv_roughness {
     double roughness;  /* α is its square */
     double anisotropy; /* 0 … 1 */
@@ -16,7 +16,8 @@ typedef struct mcv_roughness {
 } mcv_roughness;
 mcv_roughness mcv_material_roughness(const mcv_material *material);
 bool mcv_material_is_rough(const mcv_material *material); /* it consists of microfacets */
-bool mcv_material_is_reflector(uint32_t type);            /* one of MCV_REFLECTORS */
+bool mcv_material_is_scatterer(uint32_t type);            /* one of MCV_SCATTERERS */
+bool mcv_material_is_plate(uint32_t type);                /* one of MCV_PLATES */
 double mcv_material_coating(const mcv_material *material,
                             double outside); /* its R0 against a medium of an index, or 0: none */
 uint32_t mcv_material_surface_texture(

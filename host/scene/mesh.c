@@ -32,8 +32,8 @@ static void add_faces(const mcv_mesh *mesh, double *sums) {
     }
 }
 
-/* Sums the faces around each vertex whose normal has no direction; one without any face that has
- * one looks along z. */
+/* Replaces normals of length 0 by the sum of the faces' normals around the vertex, or by z if that
+ * is 0 too. */
 static mcv_result repair_normals(mcv_mesh *mesh, const mcv_json_path *place, mcv_error *error) {
     double *sums = calloc(mesh->vertex_count, 3 * sizeof *sums);
     if (!sums) return mcv_fail_memory(place, error);
@@ -59,10 +59,9 @@ mcv_result mcv_mesh_check(mcv_mesh *mesh, uint32_t *repaired, const mcv_json_pat
     for (size_t i = 0; i < 3 * (size_t)mesh->triangle_count; ++i)
         if (mesh->indices[i] >= mesh->vertex_count) {
             const mcv_json_path here = mcv_json_path_key(place, "indices");
-            return mcv_fail_at(
-                &here, error,
-                "index %u of triangle %zu points to nothing: vertices go from 0 to %u",
-                mesh->indices[i], i / 3, mesh->vertex_count - 1);
+            return mcv_fail_at(&here, error,
+                               "index %u of triangle %zu does not exist: vertices go from 0 to %u",
+                               mesh->indices[i], i / 3, mesh->vertex_count - 1);
         }
     *repaired = 0;
     for (size_t v = 0; mesh->normals && v < mesh->vertex_count; ++v) {
@@ -74,8 +73,8 @@ mcv_result mcv_mesh_check(mcv_mesh *mesh, uint32_t *repaired, const mcv_json_pat
     return *repaired ? repair_normals(mesh, place, error) : MCV_OK;
 }
 
-/* Adds to the sums of three vertices how the position changes with u and with v, by the triangle's
- * area in u and v. */
+/* Adds to the sums of three vertices the derivatives of the position with respect to u and v,
+ * weighed by the triangle's area in u and v. */
 static void add_gradients(const mcv_mesh *mesh, const uint32_t v[3], double *sums) {
     double edge[2][3], du[2], dv[2];
     for (int e = 0; e < 2; ++e) {

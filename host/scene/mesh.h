@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Meshes as the loader hands them to a scene. */
+/* Meshes as the loader passes them to a scene. */
 #ifndef MCVISI_HOST_SCENE_MESH_H
 #define MCVISI_HOST_SCENE_MESH_H
 
@@ -7,30 +7,29 @@
 #include "scene/scene.h"
 
 /*
- * Refuses indices beyond the vertices and values that are not finite; makes normals unit. Normals
- * of length 0 become the mean of the adjacent faces' (weighed by area), and are counted in
- * *repaired.
+ * Refuses indices without a vertex and values that are not finite; normalises normals. Normals of
+ * length 0 are replaced by the area-weighed mean of the adjacent faces' normals; *repaired counts
+ * them.
  */
 mcv_result mcv_mesh_check(mcv_mesh *mesh, uint32_t *repaired, const mcv_json_path *place,
                           mcv_error *error);
 /*
- * Tangents along increasing u of the texture coordinates, from the triangles around each vertex;
- * where there are none, or they say nothing, along the x axis of the mesh's node.
+ * Makes tangents in the direction of increasing u of the texture coordinates, from the triangles
+ * around each vertex. Without usable coordinates they follow the x axis of the mesh's node.
  */
 mcv_result mcv_mesh_make_tangents(mcv_mesh *mesh, const mcv_json_path *place, mcv_error *error);
 
 /*
- * Vertex normals for a mesh whose every three positions are a triangle, as an STL file's are:
- * continuous where faces meet at crease_angle [rad] or less, sharp elsewhere (normals.c). Takes the
- * place of normals that it has.
+ * Makes vertex normals for a mesh of separate triangles, such as an STL file's: continuous where
+ * faces meet at crease_angle [rad] or less, sharp elsewhere (normals.c). Replaces existing normals.
  */
 mcv_result mcv_mesh_make_normals(mcv_mesh *mesh, double crease_angle, const mcv_json_path *place,
                                  mcv_error *error);
 
 void mcv_mesh_free(mcv_mesh *mesh);
 
-/* Like mcv_scene_add_mesh, but takes over the arrays, which have passed mcv_mesh_check. On failure
- * they are freed. */
+/* Like mcv_scene_add_mesh, but takes ownership of the arrays, which must have passed
+ * mcv_mesh_check. On failure they are freed. */
 mcv_result mcv_scene_take_mesh(mcv_scene *scene, mcv_mesh *mesh, mcv_error *error);
 mcv_result mcv_scene_take_texture(mcv_scene *scene, mcv_texture *texture, mcv_error *error);
 

@@ -1,15 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Vertex normals by crease angle. Corners of triangles that lie in exactly the same place are one
- * vertex. Around it, triangles that share an edge are joined where their normals differ by at most
- * the crease angle; those that are joined, be it by way of others, share one normal. So a surface
+ * Vertex normals by crease angle. Corners of triangles at exactly the same position are one vertex.
+ * Around it, triangles that share an edge are joined if their normals differ by at most the crease
+ * angle. Triangles that are joined, directly or through others, share one normal. A surface thus
  * stays continuous where it is smooth, and sharp at a crease.
  *
- * The normal is the sum of the triangles', weighed by sin α/(|a| |b|) of the edges a and b at the
- * vertex and the angle α between them (N. Max, Weights for computing vertex normals from facet
- * normals, Journal of Graphics Tools 4, 1 (1999)). On a sphere and on a cylinder it is the exact
- * one, however uneven the triangles are. Weights by angle, or by area, are so only where the
- * triangles are alike on all sides.
+ * The normal is the sum of the triangles' normals, weighed by sin α/(|a| |b|) with the edges a and
+ * b at the vertex and the angle α between them (N. Max, Weights for computing vertex normals from
+ * facet normals, Journal of Graphics Tools 4, 1 (1999)). On spheres and cylinders it is exact for
+ * any triangulation. Weights by angle or by area are exact only for regular ones.
  */
 #include "scene/mesh.h"
 
@@ -18,8 +17,8 @@
 #include <float.h>
 #include <stdlib.h>
 
-/* A corner, as what lies around a vertex is sorted and joined by. `before` and `after` are the
- * places of the triangle's other corners. */
+/* A corner with its sort keys. `before` and `after` are the positions of the triangle's other
+ * corners. */
 typedef struct corner {
     const float *at;
     uint32_t place, before, after;
@@ -33,17 +32,17 @@ static int compare_positions(const void *a, const void *b) {
     return 0;
 }
 
-/* By position, and what lies in the same place in the mesh's order. */
+/* By position; equal positions in the order of the mesh. */
 static int compare_corners(const void *a, const void *b) {
     const corner *p = a, *q = b;
     const int by_position = compare_positions(a, b);
     return by_position ? by_position : p->at < q->at ? -1 : p->at > q->at;
 }
 
-/* A mesh whose every three positions are a triangle. */
+/* A mesh of separate triangles. */
 typedef struct creasing {
     const float *positions;
-    float *normals; /* of the faces, at each corner; 0 where the triangle tells no direction */
+    float *normals; /* of the faces, at each corner; 0 for degenerate triangles */
     corner *corners;
     uint32_t *order; /* of the corners, by vertex */
     uint32_t count;
@@ -64,8 +63,7 @@ static double cosine(const creasing *c, uint32_t a, uint32_t b) {
 
 /*
  * The face's unit normal. A triangle lower than 64 rounding errors of its coordinates, as CAD
- * programs leave them between planes, would have a normal that is off by a degree or more: it tells
- * no direction.
+ * programs leave between planes, is degenerate: its normal would be wrong by a degree or more.
  */
 static void face_normal(const float *corners, float normal[3]) {
     double edge[3][3], longest = 0, largest = 0, across[3], unit[3] = {0, 0, 0};
@@ -99,7 +97,7 @@ static double weight_at(const creasing *c, uint32_t i) {
     return has_direction(c, i) ? area / squared[0] / squared[1] : 0;
 }
 
-/* Numbers the places where corners lie, and lists the corners in their order. */
+/* Numbers the positions of corners, and lists the corners in this order. */
 static void find_places(creasing *c) {
     corner *sorted = c->corners;
     for (uint32_t i = 0; i < c->count; ++i)
@@ -113,7 +111,7 @@ static void find_places(creasing *c) {
     }
 }
 
-/* From sorted corners to those of the mesh, by number. */
+/* Transfers the numbers from the sorted corners to those of the mesh. */
 static mcv_result number_corners(creasing *c, const mcv_json_path *place, mcv_error *error) {
     corner *numbered = malloc(((size_t)c->count + 1) * sizeof *numbered);
     if (!numbered) return mcv_fail_memory(place, error);
@@ -150,7 +148,7 @@ static int compare_before(const void *a, const void *b, void *user) {
 }
 
 /* The first of n corners at one vertex, sorted by `before`, whose triangle comes to the vertex from
- * this place; n where there is none. */
+ * this position; n if there is none. */
 static uint32_t first_from(const creasing *c, const uint32_t *around, uint32_t n, uint32_t from) {
     uint32_t low = 0, high = n;
     while (low < high) {
@@ -163,8 +161,8 @@ static uint32_t first_from(const creasing *c, const uint32_t *around, uint32_t n
     return low < n && c->corners[around[low]].before == from ? low : n;
 }
 
-/* Joins the corners around one vertex: those across the edge to `after`, in which the neighbour
- * comes to the vertex. */
+/* Joins the corners around one vertex across the edge to `after`, along which the neighbour comes
+ * to the vertex. */
 static void join_around(creasing *c, uint32_t *around, uint32_t n) {
     qsort_r(around, n, sizeof *around, compare_before, c);
     for (uint32_t k = 0; k < n; ++k) {
@@ -173,7 +171,7 @@ static void join_around(creasing *c, uint32_t *around, uint32_t n) {
              i < n && c->corners[around[i]].before == from; ++i)
             join(c, around[k], around[i]);
     }
-    /* Past a triangle without direction its two neighbours are next to each other. */
+    /* Degenerate triangles are skipped: their two neighbours count as adjacent. */
     for (uint32_t k = 0; k < n; ++k) {
         const corner *flat = c->corners + around[k];
         if (has_direction(c, around[k])) continue;
@@ -183,8 +181,8 @@ static void join_around(creasing *c, uint32_t *around, uint32_t n) {
     }
 }
 
-/* Each corner's normal: the sum of those joined to it. One of a triangle without direction takes
- * all around the vertex. */
+/* Each corner's normal is the sum over the corners joined to it. For a degenerate triangle it is
+ * the sum over the whole vertex. */
 static void sum_around(creasing *c, const uint32_t *around, uint32_t n, double (*sums)[3],
                        float *normals) {
     double all[3] = {0, 0, 0};

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* mcv_sensor_optics: what an optics engineer asks of a sensor. */
+/* mcv_sensor_optics: the quantities of a datasheet. */
 #include "scene/sensors.h"
 
-/* Width and height of the film that is read out, and how far the pixels at its two edges are from
+/* Width and height of the region that is read out, and the distance of the pixels at its edges from
  * the principal point [m]. */
 typedef struct image_area {
     double size[2], edge[2][2];
@@ -25,8 +25,8 @@ static double field_angle(const image_area *area, int axis, double image_distanc
 
 /*
  * Field, f-number, NA and depth of field of a lens of diameter D that images with (f, b) on film
- * whose pixels are p: a point at depth z is blurred to b D |1/z - κ| on the film, so the limits are
- * 1/z = κ ± blur, blur = p/(b D).
+ * with pixels of size p. A point at depth z is blurred to b D |1/z - κ| on the film, so the limits
+ * are 1/z = κ ± p/(b D).
  */
 static mcv_optics entocentric(double f, double b, double diameter, const image_area *area,
                               double blur) {
@@ -87,8 +87,8 @@ mcv_optics mcv_sensor_optics(const mcv_sensor *sensor) {
     }
     case MCV_SENSOR_TELECENTRIC: {
         const mcv_telecentric_params *p = &sensor->as.telecentric;
-        /* A point Δz out of focus is blurred to 2 m NA Δz on the film, before the plane in focus as
-         * behind it. */
+        /* A point Δz out of focus is blurred to 2 m NA Δz on the film, on both sides of the plane
+         * in focus. */
         const double depth = pixel / (2 * p->magnification * p->numericalAperture);
         optics.focused_depth = p->workingDistance;
         optics.magnification = p->magnification;

@@ -6,7 +6,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* A table ends in an empty row, so that an element may be without parameters. */
+/* A table ends with an empty row, so that an element may have no parameters. */
 #define MCV_TABLE(name, key, NAME) \
     static mcv_param_table name##_table(void) { \
         typedef mcv_##name##_params element_params; \
@@ -43,6 +43,20 @@ const char *const *mcv_param_options(const char *key) {
     return NULL;
 }
 
+bool mcv_is_metal(const char *name, char list[256]) {
+    static const char *const others[] = {"metal",  "steel", "stainlessSteel", "brass",
+                                         "bronze", "zinc",  "aluminum",       NULL};
+    const char *const *metals = mcv_param_options("metal"), *const *const words[] = {metals,
+                                                                                     others};
+    bool found = false;
+    for (int k = 0; k < 2; ++k)
+        for (int i = 0; words[k][i]; ++i) found = found || strcasecmp(name, words[k][i]) == 0;
+    strcpy(list, "metals are ");
+    for (int i = 0; metals[i]; ++i)
+        snprintf(list + strlen(list), 256 - strlen(list), "%s%s", i ? ", " : "", metals[i]);
+    return found;
+}
+
 size_t mcv_param_components(mcv_param_kind kind) {
     switch (kind) {
     case MCV_PARAM_int4:
@@ -62,7 +76,7 @@ bool mcv_param_integral(mcv_param_kind kind) {
     return kind == MCV_PARAM_integer || kind == MCV_PARAM_int2 || kind == MCV_PARAM_int4;
 }
 
-/* Does its field begin with a number that is MCV_NONE where it is unset? */
+/* Is its unset value MCV_NONE? */
 static bool numbered(mcv_param_kind kind) {
     return kind == MCV_PARAM_image || kind == MCV_PARAM_pattern;
 }
@@ -127,7 +141,7 @@ bool mcv_parse_quantity(const char *text, mcv_param_kind kind, double *value) {
         {"rad", MCV_PARAM_angle, 1, 1},          {"mrad", MCV_PARAM_angle, 1e3, 1},
         {"deg", MCV_PARAM_angle, 180 / M_PI, 1}, {"inch", MCV_PARAM_length, 1e4, 254},
     };
-    /* Digits only: strtod would take "inf", "nan" and hexadecimal too. */
+    /* Digits only: strtod also accepts "inf", "nan" and hexadecimal numbers. */
     if (text[strspn(text, " +-.")] < '0' || text[strspn(text, " +-.")] > '9' || strchr(text, 'x') ||
         strchr(text, 'X'))
         return false;
@@ -147,7 +161,7 @@ bool mcv_parse_quantity(const char *text, mcv_param_kind kind, double *value) {
     return false;
 }
 
-/* What one number of this kind looks like. */
+/* An example of a number of this kind. */
 static const char *example(mcv_param_kind kind) {
     switch (kind) {
     case MCV_PARAM_length:
@@ -176,21 +190,20 @@ static mcv_result parse_number(const mcv_param *param, const json_t *value, doub
     if (!json_is_number(value)) return mcv_fail_at(place, error, "must be %s", example(kind));
     *number = json_number_value(value);
     if (!mcv_param_integral(param->kind)) return MCV_OK;
-    /* Checked here because it must fit the field. */
+    /* Checked here because the value must fit the field. */
     if (!(*number >= param->min && *number <= param->max) || *number != floor(*number))
         return mcv_fail_at(place, error, "%g must be an integer from %g to %g", *number, param->min,
                            param->max);
     return MCV_OK;
 }
 
-/* What people write for what an option calls otherwise; where there is no such thing, what comes
- * close. */
+/* Other names of options, or those of similar materials. */
 static const char *const other_names[][2] = {{"acrylic", "PMMA"},       {"plexiglass", "PMMA"},
                                              {"quartz", "fusedSilica"}, {"silica", "fusedSilica"},
                                              {"steel", "iron"},         {"stainlessSteel", "iron"},
                                              {"chrome", "chromium"}};
 
-/* The option that is likely meant, or NULL: glasses of today have the old names behind "N-". */
+/* The option that is probably meant, or NULL. Current glasses have the old names after "N-". */
 static const char *nearest_option(const char *text, const char *const *options) {
     size_t count = 0;
     while (options[count]) ++count;
@@ -224,7 +237,7 @@ static mcv_result parse_choice(const mcv_param *param, const json_t *value, void
                 : mcv_fail_at(place, error, "must be %s", list);
 }
 
-/* Which image it is only the loader can tell (load_images.c); here it is only marked as given. */
+/* Marks the image as given; the loader finds it later (load_images.c). */
 static mcv_result parse_image(const mcv_param *param, const json_t *value, void *params,
                               const mcv_json_path *place, mcv_error *error) {
     if (!json_is_integer(value) && !json_is_string(value) && !json_is_object(value))

@@ -16,16 +16,16 @@ mcv_param_table mcv_pose_table(void);
 mcv_param_table mcv_asset_table(void);
 
 /*
- * A number with a unit, "3.45um" or "0.5 deg", in SI. `kind` says which units fit: lengths take nm
- * um mm cm m inch, angles deg mrad rad, numbers none; MCV_PARAM_choice takes any of these. False
- * where the text is not such a quantity.
+ * Reads a number with a unit, "3.45um" or "0.5 deg", into SI. `kind` determines the allowed units:
+ * nm um mm cm m inch for lengths, deg mrad rad for angles, none for numbers; MCV_PARAM_choice
+ * allows all of them. False if the text is not such a quantity.
  */
 bool mcv_parse_quantity(const char *text, mcv_param_kind kind, double *value);
 
 /*
- * Reads the members of `object` into `params`, which the caller has set to defaults. A member that
- * is neither a parameter nor one of `others` (name, type …; ended by NULL) is an error that
- * suggests the nearest key.
+ * Reads the members of `object` into `params`, which the caller has set to defaults. An unknown
+ * member is an error that suggests the nearest key; `others` (name, type …, ended by NULL) are
+ * allowed too.
  */
 mcv_result mcv_params_parse(mcv_param_table table, const json_t *object, const char *const *others,
                             void *params, const mcv_json_path *place, mcv_error *error);
@@ -45,6 +45,10 @@ bool mcv_param_unset(const mcv_param *param, const void *params);
 
 /* The options of a choice, ended by NULL. */
 const char *const *mcv_param_options(const char *key);
+
+/* Is it the name of a metal, one of the options or another, as steel and brass? Then its list says
+ * which there are: "metals are aluminium, …". */
+bool mcv_is_metal(const char *name, char list[256]);
 
 /* The number that "type" names in a list of elements; an error lists the types. */
 mcv_result mcv_element_type(const json_t *object, const char *const *types, uint32_t count,

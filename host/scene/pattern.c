@@ -69,7 +69,7 @@ mcv_result mcv_pattern_image(const mcv_pattern *pattern, uint32_t index, mcv_tex
     const bool vertical = pattern->orientation == MCV_ORIENTATION_VERTICAL;
     const mcv_json_path here = mcv_json_path_key(place, "index");
     if (index >= count)
-        return mcv_fail_at(&here, error, "%u is beyond the sequence, whose %u images are 0 to %u",
+        return mcv_fail_at(&here, error, "%u is outside the sequence, whose %u images are 0 to %u",
                            index, count, count - 1);
     texture->name = (char *)mcv_pattern_types[pattern->type];
     texture->width = vertical ? length : 1;

@@ -19,8 +19,8 @@ uint32_t mcv_pattern_count(const mcv_pattern *pattern);
 /* The value of the pixel `at` across the stripes in the image `index`. */
 double mcv_pattern_value(const mcv_pattern *pattern, uint32_t index, uint32_t at);
 
-/* The image: one pixel along the stripes, which is stretched over them. The caller frees
- * texture->linear. */
+/* Makes the image, one pixel wide along the stripes; its texture is stretched over them. The caller
+ * frees texture->linear. */
 mcv_result mcv_pattern_image(const mcv_pattern *pattern, uint32_t index, mcv_texture *texture,
                              const mcv_json_path *place, mcv_error *error);
 

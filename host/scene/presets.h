@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Lights as a catalogue sells them (mcvisi/presets/), in the scene's elements. */
+/* Presets: lights as catalogues offer them (mcvisi/presets/), made of the scene's elements. */
 #ifndef MCVISI_HOST_SCENE_PRESETS_H
 #define MCVISI_HOST_SCENE_PRESETS_H
 
@@ -15,8 +15,8 @@ typedef struct mcv_preset {
     } as;
 } mcv_preset;
 
-/* Checks the parameters, and makes the emitter the element that shines: area, or parallel where a
- * half-angle is given. */
+/* Checks the parameters and fills in the element that emits: area, or parallel with a
+ * half-angle. */
 mcv_result mcv_preset_resolve(const mcv_preset *preset, mcv_emitter *emitter,
                               const mcv_json_path *place, mcv_error *error);
 

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The scene as the host works with it: what the file says, in SI units and double, before any
- * re-centring or packing for a device. The loader (loader/load.h) makes it. The OpenCL
- * renderer, the reference renderer and `mcvisi check` read it.
+ * The scene on the host: the contents of the file in SI units and double, before any re-centring or
+ * packing for a device. The loader (loader/load.h) makes it. The OpenCL renderer, the reference
+ * renderer and `mcvisi check` read it.
  *
- * Everything inside is owned by the scene and freed by mcv_scene_free. Tests may build one by hand
- * with mcv_scene_new and the mcv_scene_add_… functions, which copy what they are given.
+ * The scene owns everything inside; mcv_scene_free frees it. Tests may build one by hand with
+ * mcv_scene_new and the mcv_scene_add_… functions, which copy their arguments.
  */
 #ifndef MCVISI_HOST_SCENE_SCENE_H
 #define MCVISI_HOST_SCENE_SCENE_H
@@ -14,8 +14,7 @@
 #include "scene/elements.h"
 #include "scene/transform.h"
 
-/* An image, row 0 on top: 8-bit RGBA whose values are sRGB-encoded (glTF), or linear values
- * (OpenEXR). */
+/* An image, row 0 on top: 8-bit RGBA with sRGB encoding (glTF), or linear values (OpenEXR). */
 typedef struct mcv_texture {
     char *name;
     uint32_t width, height;
@@ -23,19 +22,19 @@ typedef struct mcv_texture {
     bool nearest;            /* magnification filter; otherwise bilinear */
     uint8_t *rgba;           /* or NULL: then linear */
     float *linear;           /* R G B, finite, 0 or more */
-    bool is_data;            /* no colour: roughness and metallic */
-    bool shares_pixels;    /* they belong to a texture before this one, which is placed otherwise */
-    uint32_t texcoord_set; /* of the mesh: 0 or 1 */
-    bool is_transformed;   /* by KHR_texture_transform; where not, the image lies as the set says */
-    double transform[6]; /* the place in the image: t[0] u + t[1] v + t[2] across, t[3] u + t[4] v +
-                            t[5] down */
+    bool is_data;            /* not a colour: roughness and metallic */
+    bool shares_pixels;      /* the pixels belong to an earlier texture with another transform */
+    uint32_t texcoord_set;   /* of the mesh: 0 or 1 */
+    bool is_transformed;     /* has a KHR_texture_transform */
+    double transform[6]; /* the position in the image: t[0] u + t[1] v + t[2] across, t[3] u + t[4]
+                            v + t[5] down */
 } mcv_texture;
 
 typedef struct mcv_material {
     char *name;
     uint32_t type;    /* MCV_MATERIAL_… */
     uint32_t texture; /* multiplies reflectance or transmittance, or MCV_NONE */
-    bool by_name; /* a conductor whose n and k come from its metal and the scene's wavelengths */
+    bool by_name; /* a conductor with n and k from its metal's name and the scene's wavelengths */
     double ior_d; /* of a dielectric with an Abbe number: its index at the d line */
     uint32_t surface_texture; /* of a metallicRoughness: linear, multiplies roughness (green) and
                                  metallic (blue), or MCV_NONE */
@@ -54,20 +53,20 @@ typedef struct mcv_mesh {
     float *normals;    /* 3 per vertex, unit, or NULL: flat */
     float *texcoords;  /* 2 per vertex (TEXCOORD_0), or NULL */
     float *texcoords1; /* the same of TEXCOORD_1 */
-    float *tangents;   /* 4 per vertex: direction and the bitangent's sign; NULL where no material
-                          asks for them */
+    float *tangents; /* 4 per vertex: direction and the bitangent's sign; NULL if no material needs
+                        them */
     uint32_t *indices; /* 3 per triangle */
 } mcv_mesh;
 
-/* A mesh placed in the world. Its triangles have the global numbers first_triangle … first_triangle
- * + triangle_count - 1. */
+/* A placed mesh. Its triangles have the global indices first_triangle … first_triangle +
+ * triangle_count - 1. */
 typedef struct mcv_instance {
     char *name; /* of the node */
     uint32_t mesh, material;
     uint32_t emitter; /* index into emitters, or MCV_NONE */
     uint32_t first_triangle;
-    mcv_transform
-        to_world; /* may mirror: then the winding turns, the normal stays on the front side */
+    mcv_transform to_world; /* may mirror: the winding is then reversed, and the normal stays on the
+                               front side */
 } mcv_instance;
 
 /* A surface of revolution about z, or one along x, within the side of its solid
@@ -81,9 +80,9 @@ typedef struct mcv_cap {
 } mcv_cap;
 
 /*
- * A body with exact surfaces. Its instances' meshes have the vertices of its box and no triangles.
- * Its pieces have the global numbers triangle_count + 3 solid + piece, after those of all
- * triangles.
+ * A body with exact surfaces. The meshes of its instances have the vertices of its box and no
+ * triangles. Its pieces have the global indices triangle_count + 3 solid + piece, after those of
+ * all triangles.
  */
 typedef struct mcv_solid {
     uint32_t side;   /* MCV_SIDE_… (mcvisi/surfaces/solid.h) */
@@ -92,15 +91,15 @@ typedef struct mcv_solid {
     double hole;     /* of an open surface: the radius of its hole [m] */
     mcv_cap caps[2]; /* the first below, the second above; a sphere has none, an open surface only
                         the first */
-    bool cemented;   /* its first cap is the second one of the solid before, with the same frame */
+    bool cemented; /* its first cap is the second cap of the previous solid, with the same frame */
     uint32_t instances[3];  /* of its pieces: first cap, second cap, side */
     mcv_transform to_world; /* rigid */
 } mcv_solid;
 
 /*
- * A named node, of the file or of one of its assets: its axes without scale (they may mirror) and
- * its origin in the world. Lengths along them are metres of the scene, whatever the node or its
- * asset is scaled by.
+ * A named node of the file or of one of its assets: its origin in the world, and its axes without
+ * scale (they may mirror). Lengths along them are metres of the scene, independent of the scale of
+ * node and asset.
  */
 typedef struct mcv_placement {
     char *name;
@@ -108,19 +107,19 @@ typedef struct mcv_placement {
     mcv_transform to_world;
 } mcv_placement;
 
-/* An emitter with a surface belongs to exactly one instance, any other to none. */
+/* An emitter with a surface belongs to exactly one instance, other emitters to none. */
 typedef struct mcv_emitter {
     char *name;
     uint32_t type;      /* MCV_EMITTER_… */
-    uint32_t instance;  /* whose triangles emit, or MCV_NONE */
+    uint32_t instance;  /* instance whose triangles emit, or MCV_NONE */
     uint32_t texture;   /* multiplies the radiance (glTF emissive texture, parameter `image`), or
                            MCV_NONE */
-    double radiance[3]; /* resolved from it or power [W/(m² sr)]; an irradiance [W/m²] or intensity
-                           [W/sr] where its type has that */
+    double radiance[3]; /* from the parameter or from power [W/(m² sr)]; for some types an
+                           irradiance [W/m²] or intensity [W/sr] */
     double area;        /* of the instance in the world [m²]; 0 without one */
     bool bare_angle;    /* its halfAngle or outerConeAngle was given as a number without a unit */
-    mcv_transform to_world; /* where there is no instance: the node's rotation and translation; it
-                               shines along -z */
+    mcv_transform
+        to_world; /* without an instance: the node's rotation and translation; it emits along -z */
     union {
 #define MCV_X(name, key, NAME) mcv_##name##_params name;
         MCV_EMITTERS(MCV_X)
@@ -167,12 +166,13 @@ void mcv_scene_free(mcv_scene *scene);
 mcv_scene *mcv_scene_new(const char *path);
 
 /*
- * Each copies its argument (arrays, names and all) and appends it; the new element has the index
- * count - 1. add_instance sets first_triangle and triangle_count; add_emitter sets area, resolves
- * radiance or power, takes texture from the parameter `image` where it has one, and marks its
- * instance; add_sensor resolves the parameters. add_instance gives a mesh without tangents some if
- * its material needs them: by its texture coordinates, or else along its x axis. Bad values fail as
- * they would from a file.
+ * Each copies its argument, arrays and names included, and appends it; the new element has the
+ * index count - 1. Bad values fail as they would from a file.
+ *
+ * add_instance sets first_triangle and triangle_count. If the material needs tangents and the mesh
+ * has none, it makes them from the texture coordinates, or else along the x axis. add_emitter sets
+ * the area, resolves radiance or power, takes the texture from the parameter `image`, and marks its
+ * instance. add_sensor resolves the parameters.
  */
 mcv_result mcv_scene_add_texture(mcv_scene *scene, const mcv_texture *texture, mcv_error *error);
 mcv_result mcv_scene_add_material(mcv_scene *scene, const mcv_material *material, mcv_error *error);
@@ -181,13 +181,13 @@ mcv_result mcv_scene_add_instance(mcv_scene *scene, const mcv_instance *instance
 mcv_result mcv_scene_add_emitter(mcv_scene *scene, const mcv_emitter *emitter, mcv_error *error);
 mcv_result mcv_scene_add_sensor(mcv_scene *scene, const mcv_sensor *sensor, mcv_error *error);
 
-/* `to_world` may scale; a node without a name or with a vanished axis is left out. MCV_FAILED
+/* `to_world` may scale. A node without a name or with an axis of length 0 is ignored. MCV_FAILED
  * without memory. */
 mcv_result mcv_scene_add_frame(mcv_scene *scene, const char *name, bool of_asset,
                                const mcv_transform *to_world, mcv_error *error);
 
-/* Makes its instances: `body` is the material of the caps, `rim` that of the side (the same: one
- * instance). */
+/* Adds a solid and its instances: `body` is the material of the caps, `rim` that of the side (if
+ * equal, one instance). */
 mcv_result mcv_scene_add_solid(mcv_scene *scene, const mcv_solid *solid, const char *name,
                                uint32_t body, uint32_t rim, mcv_error *error);
 /* Adds a sentence to the scene's warnings. */

@@ -19,7 +19,7 @@
 
 /*
  * Appends a copy of `element` to *array. The capacity is the power of two at or above count, so it
- * is not kept. Sizes are those of the element, arrays are arrays of it.
+ * need not be stored. The sizes are those of an element.
  */
 static bool append(void *array, uint32_t *count, const void *element, size_t size) {
     void *elements;
@@ -35,7 +35,7 @@ static bool append(void *array, uint32_t *count, const void *element, size_t siz
     return true;
 }
 
-/* A copy of an optional array; *failed is set where memory is missing. */
+/* A copy of an optional array; sets *failed without memory. */
 static void *copy(const void *from, size_t size, bool *failed) {
     if (!from) return NULL;
     void *to = malloc(size ? size : 1);
@@ -104,7 +104,7 @@ static mcv_result check_shares(const double reflectance[3], const char *key, con
     return MCV_OK;
 }
 
-/* What no single parameter shows. */
+/* Rules that concern several parameters. */
 static mcv_result check_material(const mcv_material *material, const mcv_json_path *here,
                                  mcv_error *error) {
     if (material->type == MCV_MATERIAL_DIELECTRIC &&
@@ -129,7 +129,7 @@ mcv_result mcv_scene_add_material(mcv_scene *scene, const mcv_material *material
     const mcv_json_path *here =
         place_element(&place, scene, "materials", material->name, scene->material_count);
     if (material->type >= MCV_MATERIAL_COUNT)
-        return mcv_fail_at(here, error, "%u is no type of material", material->type);
+        return mcv_fail_at(here, error, "%u is not a type of material", material->type);
     if (material->texture != MCV_NONE && material->texture >= scene->texture_count)
         return mcv_fail_at(here, error, "texture %u does not exist", material->texture);
     const uint32_t surface_texture = mcv_material_surface_texture(material);
@@ -238,7 +238,7 @@ static mcv_result check_emitter_instance(const mcv_scene *scene, mcv_emitter *em
              ++i)
             if (scene->emitters[i].type == MCV_EMITTER_ENVIRONMENT)
                 return mcv_fail_at(place, error,
-                                   "\"%s\" is an environment already: a scene has one at most",
+                                   "\"%s\" is an environment already: a scene has at most one",
                                    scene->emitters[i].name);
         return MCV_OK;
     }
@@ -259,7 +259,7 @@ mcv_result mcv_scene_add_emitter(mcv_scene *scene, const mcv_emitter *emitter, m
     const mcv_json_path *here =
         place_element(&place, scene, "emitters", emitter->name, scene->emitter_count);
     if (emitter->type >= MCV_EMITTER_COUNT)
-        return mcv_fail_at(here, error, "%u is no type of emitter", emitter->type);
+        return mcv_fail_at(here, error, "%u is not a type of emitter", emitter->type);
     if (emitter->texture != MCV_NONE && emitter->texture >= scene->texture_count)
         return mcv_fail_at(here, error, "texture %u does not exist", emitter->texture);
     mcv_emitter own = *emitter;
@@ -279,10 +279,9 @@ mcv_result mcv_scene_add_emitter(mcv_scene *scene, const mcv_emitter *emitter, m
     return mcv_fail_memory(here, error);
 }
 
-/* To the rounding of floats, in which others may have kept it. */
+/* The tolerance is the rounding of floats, in which the transform may have been stored. */
 static bool is_rigid(const mcv_transform *t) {
-    const double *m = t->m,
-                 rounding = 6 * FLT_EPSILON; /* of three products of two rounded numbers */
+    const double *m = t->m, rounding = 6 * FLT_EPSILON; /* three products of two rounded numbers */
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j <= i; ++j)
             if (!(fabs(m[i] * m[j] + m[3 + i] * m[3 + j] + m[6 + i] * m[6 + j] - (i == j)) <=
@@ -296,13 +295,13 @@ mcv_result mcv_scene_add_sensor(mcv_scene *scene, const mcv_sensor *sensor, mcv_
     const mcv_json_path *here =
         place_element(&place, scene, "sensors", sensor->name, scene->sensor_count);
     if (sensor->type >= MCV_SENSOR_COUNT)
-        return mcv_fail_at(here, error, "%u is no type of sensor", sensor->type);
+        return mcv_fail_at(here, error, "%u is not a type of sensor", sensor->type);
     mcv_sensor own = *sensor;
     MCV_TRY(mcv_sensor_resolve(&own, here, error));
     if (!is_rigid(&sensor->to_world))
         return mcv_fail_at(
             here, error,
-            "its frame must be turned and moved only, not scaled, sheared or mirrored");
+            "its frame must be a rotation and a translation, without scale, shear or mirroring");
     bool failed = false;
     own.name = copy_name(sensor->name, &failed);
     if (!failed && append(&scene->sensors, &scene->sensor_count, &own, sizeof own)) return MCV_OK;

@@ -10,7 +10,7 @@ const char *const mcv_schema_names[] = {
     "MCVISI_sensors", "MCVISI_emitters", "MCVISI_materials", "MCVISI_assets",
     "MCVISI_pose",    "MCVISI_spectrum", "MCVISI_surfaces",  NULL};
 
-/* What one number of a parameter may be. */
+/* The schema of one number of a parameter. */
 static json_t *scalar_schema(const mcv_param *param) {
     json_t *schema = json_object();
     const char *units = NULL;
@@ -76,7 +76,7 @@ static json_t *param_schema(const mcv_param *param) {
     return schema;
 }
 
-/* An object with these properties and required keys, and those of the table besides. */
+/* An object with these properties and required keys, and those of the table. */
 static json_t *object_schema(json_t *properties, json_t *required, mcv_param_table table) {
     for (size_t i = 0; i < table.count; ++i) {
         json_object_set_new(properties, table.params[i].key, param_schema(table.params + i));
@@ -112,11 +112,11 @@ static json_t *map_schema(const char *description) {
 }
 
 static json_t *asset_schema(void) {
-    json_t *properties = json_pack(
-        "{s:{s:s, s:s}, s:{s:s, s:[s,s,s,s,s,s], s:s}, s:{s:s}}", "uri", "description",
-        "a .gltf, .glb or .stl file beside the scene", "type", "string", "unit", "description",
-        "unit of the file's lengths; of an .stl file it must be given", "enum", "nm", "um", "mm",
-        "cm", "m", "inch", "default", "m", "name", "type", "string");
+    json_t *properties =
+        json_pack("{s:{s:s, s:s}, s:{s:s, s:[s,s,s,s,s,s], s:s}, s:{s:s}}", "uri", "description",
+                  "a .gltf, .glb or .stl file beside the scene", "type", "string", "unit",
+                  "description", "unit of the file's lengths; required for .stl files", "enum",
+                  "nm", "um", "mm", "cm", "m", "inch", "default", "m", "name", "type", "string");
     json_object_set_new(
         properties, "material",
         material_schema("a material of the scene, by name or index, for all of the file"));
@@ -156,7 +156,7 @@ static json_t *asphere_schema(void) {
                      "array", "items", "type", "number", "maxItems", MCV_ASPHERE_TERMS);
 }
 
-/* Bodies with exact surfaces: what their tables do not say. */
+/* Members of bodies with exact surfaces that are not in their tables. */
 static void add_body_members(json_t *definitions) {
     const char *const *types = mcv_body_types;
     for (uint32_t type = 0; type < MCV_BODY_COUNT; ++type) {
@@ -170,7 +170,7 @@ static void add_body_members(json_t *definitions) {
         json_t *surface = object_schema(
             json_pack(
                 "{s:o, s:o, s:{s:s}}", "asphere", asphere_schema(), "material",
-                material_schema("what fills the space up to the next surface; a gap without it"),
+                material_schema("material of the space up to the next surface; without it a gap"),
                 "name", "type", "string"),
             json_array(), mcv_lens_surface_table());
         json_object_set_new(properties, "surfaces",
@@ -178,7 +178,7 @@ static void add_body_members(json_t *definitions) {
                                       "two or more optical surfaces in a row", "type", "array",
                                       "minItems", 2, "items", surface));
         json_object_set_new(properties, "rim",
-                            material_schema("a material for the edges; they absorb without it"));
+                            material_schema("a material for the edges; without it they absorb"));
         json_array_append_new(
             json_object_get(json_object_get(definitions, types[type]), "required"),
             json_string("surfaces"));
@@ -188,7 +188,7 @@ static void add_body_members(json_t *definitions) {
         "asphere", asphere_schema());
 }
 
-/* Adds definitions/TYPE for each type, and gives the choice of them. */
+/* Adds definitions/TYPE for each type and returns the choice among them. */
 static json_t *any_element(json_t *definitions, const char *const *types, uint32_t count,
                            mcv_param_table (*table)(uint32_t)) {
     json_t *choice = json_array();
@@ -200,7 +200,7 @@ static json_t *any_element(json_t *definitions, const char *const *types, uint32
     return choice;
 }
 
-/* The root array KEYs and the index KEY (without s) on a node. */
+/* The root array KEYs and the index KEY (without s) of a node. */
 static json_t *indexed_schema(const char *key, const char *index, json_t *choice,
                               json_t *definitions) {
     json_object_set_new(definitions, "node",

@@ -1,20 +1,20 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* A sensor of a scene, as the command line speaks of it. */
+/* Finding a sensor of a scene for the command line. */
 #ifndef MCVISI_HOST_SCENE_SENSOR_FIND_H
 #define MCVISI_HOST_SCENE_SENSOR_FIND_H
 
 #include "scene/scene.h"
 
-/* The sensor of a name or number. MCV_USAGE with the candidates where there is none, or more than
- * one of that name. */
+/* The sensor with a name or number. MCV_USAGE with the candidates if there is none, or if several
+ * have the name. */
 mcv_result mcv_sensor_find(const mcv_scene *scene, const char *name, uint32_t *sensor,
                            mcv_error *error);
 
-/* Its name where that tells it from the others, else its number. */
+/* Its name if that is unique, else its number. */
 void mcv_sensor_label(const mcv_scene *scene, uint32_t sensor, char *label, size_t size);
 
-/* Gives it width x height pixels (macro pixels) and such a size that the film, and so what it sees,
- * stays. */
+/* Gives the sensor width x height (macro) pixels, with a pixel size that keeps the film's size and
+ * the field of view. */
 mcv_result mcv_sensor_resize(mcv_sensor *sensor, uint64_t width, uint64_t height,
                              const mcv_scene *scene, mcv_error *error);
 

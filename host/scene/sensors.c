@@ -5,7 +5,7 @@
 
 /* --- what is read out --- */
 
-/* The parameters that say so, of any sensor; its resolution counts macro pixels of `angular` pixels
+/* The parameters of the readout, of any sensor; resolution counts macro pixels of `angular` pixels
  * each. */
 typedef struct film {
     const uint32_t *resolution, *region, *binning;
@@ -70,7 +70,7 @@ static mcv_result check_film(film f, const mcv_json_path *place, mcv_error *erro
         if (first + size > f.resolution[i])
             return mcv_fail_at(
                 &region, error,
-                "%s %u to %u leave the film, which has %u: it is [column, row, width, height]",
+                "%s %u to %u exceed the film, which has %u: it is [column, row, width, height]",
                 lines[i], first, first + size, f.resolution[i]);
         if (size % f.binning[i] != 0)
             return mcv_fail_at(&binning, error, "%u does not divide the %u %s that are read out",
@@ -79,7 +79,7 @@ static mcv_result check_film(film f, const mcv_json_path *place, mcv_error *erro
     return MCV_OK;
 }
 
-/* Of the principal point, from the first pixel read out, in units of `binning` of them. */
+/* The principal point, from the first pixel that is read out, in binned pixels. */
 static mcv_centre centre(const mcv_readout *readout, int axis, uint32_t binning) {
     const double from_first = (readout->centre[axis] - readout->first[axis]) / binning;
     const double halves = rint(2 * from_first);
@@ -110,8 +110,8 @@ void mcv_pinhole_prepare(const mcv_pinhole_params *params, mcv_pinhole *device) 
 /* --- what agrees --- */
 
 /*
- * Values that follow from others may be given too, rounded: half a unit in the fourth digit of a
- * datasheet's number. What differs by more contradicts.
+ * Derived values may be given too, rounded: the tolerance is half a unit in the fourth digit of a
+ * datasheet's number. Larger differences are contradictions.
  */
 static const double agreement = 5e-4;
 
@@ -121,23 +121,24 @@ static mcv_result settle(double *value, double follows, const char *key, const c
     if (isnan(*value))
         *value = follows;
     else if (!(fabs(*value - follows) <=
-               agreement * *value)) /* nothing given agrees with an infinite or negative one */
+               agreement *
+                   *value)) /* a given value never agrees with an infinite or negative one */
         return mcv_fail_at(
             &here, error,
-            "%.6g contradicts %s, from which %.6g follows: give one of them, or both alike", *value,
-            from, follows);
+            "%.6g contradicts %s, from which %.6g follows: give one of them, or equal "
+            "values",
+            *value, from, follows);
     return MCV_OK;
 }
 
 /* --- thin lens --- */
 
-/* A/h² where irradiance is measured, else 0. */
+/* A/h² if irradiance is measured, else 0. */
 static double etendue(int radiometry, double area, double distance) {
     return radiometry == MCV_RADIOMETRY_IRRADIANCE ? area / (distance * distance) : 0;
 }
 
-/* What turns a direction before the lens into one behind it, per metre from the axis; 0 where that
- * is not asked for. */
+/* 1/f for falloff by image-side angles, else 0. */
 static double bend(int falloff, double focal_length) {
     return falloff == MCV_FALLOFF_IMAGE_SIDE ? 1 / focal_length : 0;
 }
@@ -147,8 +148,7 @@ static double disk_area(double diameter) { return M_PI / 4 * diameter * diameter
 mcv_result mcv_lens_resolve(mcv_lens l, const mcv_json_path *place, mcv_error *error) {
     const mcv_json_path focus = mcv_json_path_key(place, "focusDistance");
     if (isnan(*l.b) && isnan(*l.w))
-        return mcv_fail_at(place, error,
-                           "needs imageDistance or focusDistance, to say where it is in focus");
+        return mcv_fail_at(place, error, "needs imageDistance or focusDistance for its focus");
     if (*l.w <= l.f)
         return mcv_fail_at(&focus, error, "%g m must exceed focalLength %g m", *l.w, l.f);
     if (isnan(*l.b)) *l.b = l.f * *l.w / (*l.w - l.f);
@@ -157,8 +157,7 @@ mcv_result mcv_lens_resolve(mcv_lens l, const mcv_json_path *place, mcv_error *e
         MCV_TRY(settle(l.w, depth, "focusDistance", "focalLength and imageDistance", place, error));
 
     if (isnan(*l.diameter) && isnan(*l.f_number))
-        return mcv_fail_at(place, error,
-                           "needs lensDiameter or fNumber, to say how wide it is open");
+        return mcv_fail_at(place, error, "needs lensDiameter or fNumber for its aperture");
     if (isnan(*l.diameter)) *l.diameter = *l.b / *l.f_number;
     return settle(l.f_number, *l.b / *l.diameter, "fNumber", "imageDistance and lensDiameter",
                   place, error);
@@ -189,8 +188,8 @@ void mcv_thin_lens_prepare(const mcv_thin_lens_params *params, mcv_thin_lens *de
 /* --- telecentric --- */
 
 /*
- * f and b from any two of f, b, m, W; settle() compares the rest with them. Where more are given f
- * and b count first: they are the report's parameters.
+ * Derives f and b from any two of f, b, m, W; settle() compares the others with them. If more are
+ * given, f and b have precedence, because they are the report's parameters.
  */
 static mcv_result resolve_distances(mcv_telecentric_params *p, const char **from,
                                     const mcv_json_path *place, mcv_error *error) {
@@ -326,7 +325,7 @@ mcv_result mcv_sensor_resolve(mcv_sensor *sensor, const mcv_json_path *place, mc
         MCV_SENSORS(MCV_X)
 #undef MCV_X
     }
-    /* Once more, for what has just been derived. */
+    /* Checks the derived values too. */
     return mcv_params_check(mcv_sensor_table(sensor->type), &sensor->as, place, error);
 }
 

@@ -1,13 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Sensors on the host: what follows from their parameters, in double. */
+/* Sensors on the host: quantities derived from their parameters, in double. */
 #ifndef MCVISI_HOST_SCENE_SENSORS_H
 #define MCVISI_HOST_SCENE_SENSORS_H
 
 #include "core/json_path.h"
 #include "scene/scene.h"
 
-/* Fills in parameters that follow from others; refuses contradictions and what the sensor cannot
- * do. */
+/* Fills in derived parameters; refuses contradictions and what the sensor does not support. */
 #define MCV_SENSOR_FUNCTIONS(name, key, NAME) \
     mcv_result mcv_##name##_resolve(mcv_##name##_params *params, const mcv_json_path *place, \
                                     mcv_error *error); \
@@ -28,11 +27,11 @@ typedef struct mcv_lens {
     double f, *b, *w, *diameter, *f_number;
 } mcv_lens;
 
-/* b and D from what stands for them, and the other way round. A focus at infinity or behind the
- * lens has no focusDistance. */
+/* Derives b and D from the parameters that may replace them, and the reverse. A focus at infinity
+ * or behind the lens has no focusDistance. */
 mcv_result mcv_lens_resolve(mcv_lens l, const mcv_json_path *place, mcv_error *error);
 
-/* What is read out of the film, in pixels; of a light field camera in macro pixels. */
+/* The region of the film that is read out, in pixels; for a light field camera in macro pixels. */
 typedef struct mcv_readout {
     uint32_t film[2];    /* of the whole film */
     uint32_t first[2];   /* column and row of the first that is read out */
@@ -45,10 +44,10 @@ typedef struct mcv_readout {
 mcv_readout mcv_sensor_readout(const mcv_sensor *sensor);
 
 /*
- * What an optics engineer asks of a sensor; lengths in m, angles in rad, NaN where the sensor has
- * no such thing. First-order optics of the thin lens: numbers on the axis. A light field camera's
- * depth of field is that of its sub-aperture views, whose pixel is a macro pixel and whose aperture
- * is a (J, K)-th of the lens.
+ * The quantities of a datasheet: lengths in m, angles in rad, NaN if the sensor does not have the
+ * quantity. They are those of first-order optics of the thin lens, on the axis. The depth of field
+ * of a light field camera is that of its sub-aperture views: their pixel is a macro pixel, their
+ * aperture one of J x K parts of the lens.
  */
 typedef struct mcv_optics {
     double focused_depth;  /* from the main lens to the plane in focus, 1/κ; infinite, or negative

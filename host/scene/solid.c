@@ -3,6 +3,7 @@
 
 #include "scene/transform.h"
 #include "scene/materials.h"
+#include "scene/params.h"
 
 #include <math.h>
 
@@ -54,10 +55,11 @@ mcv_result mcv_cap_check(const mcv_cap *cap, double radius, const mcv_json_path 
                            "from the axis (radius %g m, conic %g)",
                            radius, largest, 1 / c, cap->conic);
     if (is_asphere(cap) && rest < 1e-3)
-        return mcv_fail_at(place, error,
-                           "an asphere must end before its base, at %g m from the axis, becomes "
-                           "upright; its semi-diameter is %g m",
-                           largest, radius);
+        return mcv_fail_at(
+            place, error,
+            "an asphere must end before its base becomes vertical, at %g m from the axis; its "
+            "semi-diameter is %g m",
+            largest, radius);
     if (!isfinite(
             sag(cap, fmin(radius * radius, isfinite(largest) ? largest * largest : INFINITY))))
         return mcv_fail_at(place, error, "has no finite sag at its semi-diameter of %g m", radius);
@@ -110,8 +112,8 @@ mcv_result mcv_solid_check(const mcv_solid *solid, const mcv_json_path *place, m
     if (solid->side == MCV_SIDE_SPHERE) return MCV_OK;
     if (!(solid->hole < solid->radius) && solid->side == MCV_SIDE_OPEN)
         return mcv_fail_at(place, error,
-                           "its hole of radius %g m must be smaller than itself, %g m", solid->hole,
-                           solid->radius);
+                           "its hole of radius %g m must be smaller than its own radius, %g m",
+                           solid->hole, solid->radius);
     for (int i = 0; i < (solid->side == MCV_SIDE_OPEN ? 1 : 2); ++i)
         MCV_TRY(mcv_cap_check(solid->caps + i, reach(solid), place, error));
     return solid->side == MCV_SIDE_OPEN ? MCV_OK : check_gap(solid, place, error);
@@ -126,10 +128,10 @@ static mcv_result check_material(const mcv_solid *solid, const mcv_scene *scene,
                            "coordinates: choose another",
                            m->name);
     if (mcv_material_roughness(m).anisotropy > 0)
-        return mcv_fail_at(place, error,
-                           "material \"%s\" is anisotropic, but exact surfaces have no direction "
-                           "for it: choose another",
-                           m->name);
+        return mcv_fail_at(
+            place, error,
+            "material \"%s\" is anisotropic, but exact surfaces have no tangents: choose another",
+            m->name);
     if (solid->side == MCV_SIDE_OPEN && m->type == MCV_MATERIAL_DIELECTRIC)
         return mcv_fail_at(
             place, error,
@@ -138,15 +140,12 @@ static mcv_result check_material(const mcv_solid *solid, const mcv_scene *scene,
 }
 
 static bool passes_light(const mcv_material *m) {
-    const double *share = m->type == MCV_MATERIAL_DIFFUSE ? m->as.diffuse.transmittance
-                          : m->type == MCV_MATERIAL_BEAM_SPLITTER
-                              ? m->as.beam_splitter.transmittance
-                          : m->type == MCV_MATERIAL_SHEET ? m->as.sheet.transmittance
-                                                          : NULL;
+    const double *share = mcv_params_find(mcv_material_table(m->type), "transmittance", &m->as);
+    if (share) return share[0] + share[1] + share[2] > 0;
     if (m->type == MCV_MATERIAL_METALLIC_ROUGHNESS)
         return m->as.metallic_roughness.transmission > 0 ||
                m->as.metallic_roughness.diffuseTransmission > 0;
-    return m->type == MCV_MATERIAL_DIELECTRIC || (share && share[0] + share[1] + share[2] > 0);
+    return m->type == MCV_MATERIAL_DIELECTRIC || mcv_material_is_plate(m->type);
 }
 
 /* Light that came out of glass by an edge of something else would not know that it has. */
@@ -156,10 +155,11 @@ static mcv_result check_rim(const mcv_scene *scene, uint32_t material, uint32_t 
     if (rim == material || !passes_light(edge) ||
         (body->type != MCV_MATERIAL_DIELECTRIC && edge->type != MCV_MATERIAL_DIELECTRIC))
         return MCV_OK;
-    return mcv_fail_at(place, error,
-                       "the rim \"%s\" lets light through, but is not the body's material: choose "
-                       "an opaque one or \"%s\"",
-                       edge->name, body->name);
+    return mcv_fail_at(
+        place, error,
+        "the rim \"%s\" transmits light, but is not the body's material: choose an opaque "
+        "one or \"%s\"",
+        edge->name, body->name);
 }
 
 mcv_result mcv_solid_check_materials(const mcv_solid *solid, const mcv_scene *scene, uint32_t body,

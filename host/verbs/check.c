@@ -44,7 +44,8 @@ static void report_work(mcv_report *report, const mcv_packed *packed,
 #undef MCV_X
     };
     static const char *const reasons[] = {
-#define MCV_X(NAME, word, why) (why), /* a text of several pieces, no missing comma */
+#define MCV_X(NAME, word, why) \
+    (why), /* parentheses: a text of several literals, not a missing comma */
         MCV_FEATURES(MCV_X)
 #undef MCV_X
     };
@@ -72,8 +73,7 @@ static void report_work(mcv_report *report, const mcv_packed *packed,
 
 static void report_findings(mcv_report *report, const mcv_findings *findings) {
     if (report->json) {
-        mcv_report_list(report,
-                        "warnings"); /* the sentences alone, as before there were severities */
+        mcv_report_list(report, "warnings"); /* the sentences alone, a key older than severities */
         for (size_t i = 0; i < findings->count; ++i)
             if (findings->items[i].severity >= MCV_SEVERITY_WARNING)
                 mcv_report_text(report, "-", findings->items[i].sentence);

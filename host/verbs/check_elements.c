@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What mcvisi check says of emitters and materials, and of the parameters of all elements. */
+/* The report of mcvisi check about emitters and materials, and about the parameters of all
+ * elements. */
 #include "verbs/check_report.h"
 
 #include "scene/emitters.h"
@@ -74,7 +75,7 @@ static void report_radiometry(mcv_report *report, const char *key, const char *u
                                          factor * mean[2] * l[2]});
 }
 
-/* A projector's lens, and the size of its picture where that is sharp. */
+/* A projector's lens, and the size of its picture in focus. */
 static void report_lens(mcv_report *report, const mcv_scene *scene, const mcv_emitter *emitter) {
     const mcv_projector_params *p = &emitter->as.projector;
     const double scale = p->focusDistance / p->imageDistance;
@@ -124,7 +125,7 @@ void mcv_check_report_emitter(mcv_report *report, const mcv_scene *scene, uint32
                            (const double[]){image->width, image->height}, 2);
         mcv_report_spectrum(report, "mean_of_image", "", mean);
     } else if (emitter->texture != MCV_NONE) {
-        mcv_report_text(report, "texture", "an image lowers these values");
+        mcv_report_text(report, "texture", "an image scales these values down");
     }
     mcv_report_close(report);
 }

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What mcvisi check says of sensors: their optics, and how edges in their pictures grow. */
+/* The report of mcvisi check about sensors: their optics, and the growth of edges in their
+ * images. */
 #include "verbs/check_report.h"
 
 #include "check/growth.h"
@@ -13,10 +14,10 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Less of a pupil, or of the directions, is likely not meant. */
+/* A smaller share of a pupil, or of the directions, is probably a mistake. */
 static const double little = 0.5;
 
-/* What the emitters of a cone before a sensor light of its pupil, or of its directions. */
+/* The share of a sensor's pupil, or of its directions, that each emitter with a cone fills. */
 static mcv_result report_fillings(mcv_report *report, const mcv_scene *scene, uint32_t index,
                                   mcv_findings *findings, mcv_error *error) {
     const mcv_sensor *sensor = scene->sensors + index;
@@ -32,20 +33,19 @@ static mcv_result report_fillings(mcv_report *report, const mcv_scene *scene, ui
                           fillings[i].share);
         mcv_report_close(report);
         if (fillings[i].share < little)
-            result = mcv_findings_add(findings, MCV_SEVERITY_WARNING, "emitters", emitter->name,
-                                      NULL, error,
-                                      "emitter \"%s\" lights %.2g %% of the %s of sensor \"%s\", "
-                                      "where that looks into it: its cone "
-                                      "is narrower than what the sensor takes in",
-                                      emitter->name, 100 * fillings[i].share,
-                                      directions ? "J x K directions" : "pupil", sensor->name);
+            result = mcv_findings_add(
+                findings, MCV_SEVERITY_WARNING, "emitters", emitter->name, NULL, error,
+                "emitter \"%s\" fills %.2g %% of the %s of sensor \"%s\" that looks into it: its "
+                "cone is narrower than the sensor's acceptance",
+                emitter->name, 100 * fillings[i].share, directions ? "J x K directions" : "pupil",
+                sensor->name);
     }
     if (result == MCV_OK && count > 0) mcv_report_close(report);
     free(fillings);
     return result;
 }
 
-/* How edges before a backlight grow. */
+/* The growth of edges before a backlight. */
 static void report_growth(mcv_report *report, const mcv_scene *scene, const mcv_sensor *sensor) {
     mcv_growth growth;
     char sentence[512];
@@ -58,7 +58,7 @@ static void report_growth(mcv_report *report, const mcv_scene *scene, const mcv_
     mcv_report_number(report, "tangent_of_cone", "", growth.cone);
     mcv_report_quantity(report, "growth_of_edge", "m", growth.edge.value, growth.edge.uncertainty);
     if (report->json)
-        mcv_report_text(report, "note", sentence); /* people read it among the findings */
+        mcv_report_text(report, "note", sentence); /* people read it in the findings */
     mcv_report_close(report);
 }
 

@@ -30,8 +30,8 @@ static bool is_finite(const mcv_image *image) {
     return true;
 }
 
-/* The film of the replicates, where the file holds them all. Ranks need numbers: images that are
- * not finite stay without. */
+/* Makes the film of the replicates if the file has all of them. Rank tests need finite numbers:
+ * other images have no film. */
 static mcv_result gather_replicates(const mcv_exr *exr, mcv_compared *r, mcv_error *error) {
     const mcv_image *mean = r->measured.mean;
     const size_t count = (size_t)mean->width * mean->height * mean->channels;
@@ -78,16 +78,16 @@ mcv_result mcv_compared_read(const mcv_exr *exr, const char *path, mcv_compared 
     return gather_replicates(exr, r, error);
 }
 
-/* Equal seeds make equal sample points: the noise of both would be the same, and the tests too
- * kind. */
+/* Equal seeds have equal sample points: the noise is correlated, and the tests find fewer
+ * differences. */
 static void warn_of_seeds(const mcv_compared *a, const mcv_compared *b, mcv_report *report) {
     char text[256];
     if (a->seed != b->seed || strcmp(a->sampler, b->sampler) != 0 ||
         strcmp(a->device, b->device) != 0)
         return;
     snprintf(text, sizeof text,
-             "both images are of seed %.0f, so that their noise is alike and hides differences: "
-             "render one with another --seed",
+             "both images have seed %.0f: their noise is correlated and hides differences; render "
+             "one with another --seed",
              a->seed);
     mcv_report_tell(report, "warning", text);
 }

@@ -7,7 +7,7 @@
 #include "options/command.h"
 #include "verbs/report.h"
 
-/* The camera of the options. Texts are the command's. */
+/* The camera of the options. The texts belong to the command. */
 mcv_camera_settings mcv_camera_settings_of(const mcv_command *command);
 
 /*

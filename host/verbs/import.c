@@ -18,7 +18,7 @@ static mcv_result check(const char *from, const char *text, mcv_error *error) {
     mcv_document_free(&document);
     if (result == MCV_OK) return MCV_OK;
     const size_t length = strlen(from);
-    return mcv_fail(error, MCV_BAD_INPUT, "%s: no scene would take its lens%s", from,
+    return mcv_fail(error, MCV_BAD_INPUT, "%s: its lens is not valid in a scene%s", from,
                     strncmp(refusal.text, from, length) == 0 ? refusal.text + length
                                                              : refusal.text);
 }

@@ -7,7 +7,7 @@
 
 const char *const mcv_emd_forms[2] = {"normalized", "mass"};
 
-/* What no longer holds: the result has no macro pixels, and stands above the black level. */
+/* Attributes that are no longer valid: the result has no macro pixels and no black level. */
 static bool is_past(const char *attribute) {
     return strcmp(attribute, "mcvisi:angularResolution") == 0 ||
            strcmp(attribute, "mcvisi:blackLevel") == 0;
@@ -29,11 +29,29 @@ static mcv_result make(const mcv_exr *source, mcv_image image, const mcv_attribu
     return result;
 }
 
+/* The views of each other part that is as large: its errors. */
+static mcv_result add_views(const mcv_light_field_file *file, mcv_exr *views, mcv_error *error) {
+    const mcv_exr *exr = &file->exr;
+    for (uint32_t i = 1; i < exr->part_count; ++i) {
+        mcv_image light, image;
+        if (exr->parts[i].image.width != file->image.width ||
+            exr->parts[i].image.height != file->image.height)
+            continue;
+        MCV_TRY(mcv_light_field_light(exr->parts[i].name, exr->parts + i, &light, error));
+        MCV_TRY(mcv_light_field_views(&light, file->angular, &image, error));
+        MCV_TRY(mcv_exr_add_part(views, exr->parts[i].name, image, NULL, error));
+    }
+    return MCV_OK;
+}
+
 mcv_result mcv_views_make(const mcv_light_field_file *file, mcv_exr *views, mcv_error *error) {
     const mcv_attribute own[] = {{.name = "mcvisi:layout", .text = "sub-aperture views"}};
     mcv_image image;
     MCV_TRY(mcv_light_field_views(&file->image, file->angular, &image, error));
-    return make(&file->exr, image, own, 1, views, error);
+    MCV_TRY(make(&file->exr, image, own, 1, views, error));
+    const mcv_result result = add_views(file, views, error);
+    if (result != MCV_OK) mcv_exr_free(views);
+    return result;
 }
 
 mcv_result mcv_gradient_make(const mcv_command *command, const mcv_light_field_file *file,

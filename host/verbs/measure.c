@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The whole image where no region is named and no box either. */
+/* The default region is the whole image if no region and no box is given. */
 static mcv_result parse_regions(mcv_subject *s, mcv_error *error) {
     const mcv_places *p = &s->places;
     const mcv_image *image = &s->readings.values;
@@ -41,17 +41,18 @@ static mcv_result find_all(mcv_subject *s, mcv_error *error) {
     return MCV_OK;
 }
 
-/* --nominal: all that was found goes back to where the part's contour is. */
+/* --nominal: corrects all results to the part's contour. */
 static mcv_result take_growths_off(mcv_subject *s, mcv_error *error) {
     mcv_growth growth;
     if (!s->scene)
         return mcv_fail(error, MCV_USAGE, "--nominal needs the part and its light: give --scene");
     const mcv_sensor *sensor = s->scene->sensors + s->sensor;
     if (sensor->type != MCV_SENSOR_TELECENTRIC)
-        return mcv_fail(error, MCV_USAGE,
-                        "--nominal: sensor %s is not telecentric: perspective says which rim of "
-                        "the part is seen",
-                        sensor->name);
+        return mcv_fail(
+            error, MCV_USAGE,
+            "--nominal: sensor %s is not telecentric: perspective determines which rim of the "
+            "part is seen",
+            sensor->name);
     if (!mcv_growth_of(s->scene, sensor, &growth))
         return mcv_fail(error, MCV_USAGE,
                         "--nominal: %s has no flat emitter that faces sensor %s behind an opaque "
@@ -68,10 +69,10 @@ static mcv_result take_growths_off(mcv_subject *s, mcv_error *error) {
     return MCV_OK;
 }
 
-/* What is done with a box X,Y,W,H; false: no more of them. */
+/* Visits a box X,Y,W,H; false ends the iteration. */
 typedef bool box_visitor(void *user, const char *name, const double box[4]);
 
-/* The boxes of "[NAME=]X,Y,W,H[+X,Y,W,H…]"; other forms are left out. */
+/* Visits the boxes of "[NAME=]X,Y,W,H[+X,Y,W,H…]"; other forms are skipped. */
 static bool visit_boxes(mcv_texts texts, box_visitor *visit, void *user) {
     bool more = true;
     for (size_t i = 0; i < texts.count && more; ++i) {
@@ -117,8 +118,8 @@ static bool note_cut(void *user, const char *name, const double box[4]) {
     for (int i = 0; i < 4; ++i) whole = whole && fmod(box[i], macro[i % 2]) == 0;
     if (whole) return true;
     snprintf(text, sizeof text,
-             "the box %s=%g,%g,%g,%g cuts macro pixels of %u x %u pixels, so that it weighs their "
-             "directions unevenly: begin and end at multiples of them",
+             "the box %s=%g,%g,%g,%g cuts macro pixels of %u x %u pixels, so that directions have "
+             "unequal weights: begin and end at multiples of them",
              name, box[0], box[1], box[2], box[3], macro[0], macro[1]);
     mcv_report_tell(note->report, "note", text);
     return false;
@@ -136,10 +137,11 @@ static mcv_result draw_grid(mcv_subject *s, mcv_error *error) {
     const mcv_placement *node = NULL;
     mcv_grid grid;
     if (equals && !s->has_model)
-        return mcv_fail(error, MCV_USAGE,
-                        "--grid %s: the image's header does not say where the node lies: give "
-                        "--scene, or leave it out",
-                        text);
+        return mcv_fail(
+            error, MCV_USAGE,
+            "--grid %s: the image's header does not state where the node lies: give --scene, or "
+            "leave it out",
+            text);
     if (equals) {
         char *name = strndup(text, (size_t)(equals - text));
         const mcv_result found =
@@ -162,13 +164,13 @@ static mcv_result draw_grid(mcv_subject *s, mcv_error *error) {
 static void warn_of_srgb(const mcv_picture *picture, mcv_report *report) {
     char text[PATH_MAX + 256];
     snprintf(text, sizeof text,
-             "%s: its values are coded by sRGB, for the eye: edges seem to lie elsewhere, and "
-             "contrasts are other ones; measure the grey values of `camera` or the .exr file",
+             "%s: its values are encoded in sRGB, for viewing: this shifts edges and changes "
+             "contrasts; measure the grey values of `camera` or the .exr file",
              picture->path);
     mcv_report_tell(report, "warning", text);
 }
 
-/* All that may fail comes before the first word of the report. */
+/* Whatever can fail comes before the first line of the report. */
 static mcv_result measure(mcv_subject *s, mcv_report *report, mcv_error *error) {
     MCV_TRY(parse_regions(s, error));
     MCV_TRY(find_all(s, error));
@@ -179,7 +181,7 @@ static mcv_result measure(mcv_subject *s, mcv_report *report, mcv_error *error) 
     return MCV_OK;
 }
 
-/* With all places in pixels. The drawing comes first: it shows where they lie, though there may be
+/* Measures with all places in pixels. The drawing comes first: it shows the places even if there is
  * no edge. */
 static mcv_result measure_places(mcv_subject *s, const mcv_places *given, mcv_report *report,
                                  mcv_error *error) {

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The parts of `mcvisi measure`: what is read, and what is told of it. */
+/* The parts of `mcvisi measure`: reading the image, and the report. */
 #ifndef MCVISI_HOST_VERBS_MEASURE_H
 #define MCVISI_HOST_VERBS_MEASURE_H
 
@@ -8,15 +8,15 @@
 #include "verbs/picture.h"
 #include "verbs/report.h"
 
-/* The image, and what is known of it. */
+/* The image and what is known about it. */
 typedef struct mcv_subject {
     const mcv_command *command;
     const mcv_picture *picture, *minus; /* minus may be NULL */
     mcv_places places;                  /* where to measure, as pixels */
     mcv_readings readings;
-    const char *noise; /* where the deviations come from; NULL: nowhere yet */
-    bool whole;        /* a file of whole numbers */
-    double largest;    /* grey value, NaN where that is not known */
+    const char *noise; /* source of the deviations; NULL: none yet */
+    bool whole;        /* a file of integers */
+    double largest;    /* largest grey value, NaN if not known */
     double pixel[2];   /* width and height in the object plane [m], 0: not known */
     mcv_camera_model model;
     bool has_model;
@@ -25,7 +25,7 @@ typedef struct mcv_subject {
     size_t region_count;
     const mcv_scene *scene; /* of --scene, or NULL */
     uint32_t sensor;
-    mcv_found *found; /* in the boxes of all forms, one form after the other */
+    mcv_found *found; /* results in the boxes, one form after the other */
     size_t found_count;
 } mcv_subject;
 

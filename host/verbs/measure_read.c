@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The image that `mcvisi measure` is asked about, with what its header and the options tell of
- * it. */
+/* Reads the image of `mcvisi measure`, with the information of its header and of the options. */
 #include "analysis/channel.h"
 #include "analysis/render_error.h"
 #include "verbs/measure.h"
@@ -11,7 +10,7 @@
 #include <math.h>
 #include <stdio.h>
 
-/* What the model tells of the image, if it is its model. */
+/* Takes over the model's information if the model belongs to the image. */
 static void take_model(mcv_subject *s, mcv_camera_model *model) {
     const mcv_image *values = &s->readings.values;
     mcv_camera_model_free(&s->model);
@@ -33,8 +32,7 @@ static mcv_result read_model(const char *text, const char *path, mcv_subject *s,
     return MCV_OK;
 }
 
-/* All that a render does not know is its own error; grey values have that apart from the camera's
- * noise. */
+/* The noise of a render is its own error. Grey values have it in addition to the camera's noise. */
 static mcv_result read_render_error(const char *path, const mcv_exr *exr, mcv_subject *s,
                                     mcv_error *error) {
     const double *rho = mcv_exr_numbers(exr, MCV_EXR_CORRELATION, 4),
@@ -68,8 +66,8 @@ static mcv_result read_exr(const mcv_picture *picture, mcv_subject *s, mcv_error
     return read_render_error(path, exr, s, error);
 }
 
-/* The render's error as the header tells it by cells. Their means are of many pixels: squares of
- * them are hardly too large. */
+/* The render's error from the header, which has it by cells. A cell's mean is over many pixels, so
+ * its square is hardly too large. */
 static mcv_result read_told_error(const char *path, const mcv_image *image, mcv_subject *s,
                                   mcv_error *error) {
     const mcv_render_error *told = &s->model.render_error;
@@ -99,8 +97,8 @@ static mcv_result read_values(const mcv_picture *picture, mcv_subject *s, mcv_er
     return MCV_OK;
 }
 
-/* What the user says of the noise stands above what the file says; of the camera's, it says nothing
- * of the render's error. */
+/* The user's statement of the noise has precedence over the file's. The camera's noise does not
+ * include the render's error. */
 static void set_noise(mcv_subject *s) {
     const mcv_command *c = s->command;
     if (!(c->noise > 0) && !(c->gain > 0)) return;

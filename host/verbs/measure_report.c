@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What `mcvisi measure` tells. */
+/* The report of `mcvisi measure`. */
 #include "analysis/metrics.h"
 #include "verbs/measure.h"
 
@@ -73,7 +73,7 @@ static void report_values(mcv_report *report, const char *key, const mcv_quantit
     free(values);
 }
 
-/* The curves are for programs. */
+/* The curves are in the JSON only. */
 static void report_spread(const mcv_subject *s, mcv_report *report, const mcv_edge *edge) {
     mcv_edge_mtf m;
     mcv_error why = {""};
@@ -185,8 +185,8 @@ static void report_distance(const mcv_subject *s, mcv_report *report, const mcv_
     mcv_report_close(report);
 }
 
-/* From the first edge or line to all other ones and to all circles, and from the first circle to
- * the others. */
+/* From the first edge or line to all others and to all circles, and from the first circle to the
+ * others. */
 static void report_distances(const mcv_subject *s, mcv_report *report) {
     const mcv_found *line = NULL, *circle = NULL, *end = s->found + s->found_count;
     bool open = false;
@@ -227,9 +227,8 @@ void mcv_subject_report(mcv_subject *s, mcv_report *report) {
     if (s->pixel[0] > 0) mcv_report_numbers(report, "object_pixel", "m", " x ", s->pixel, 2);
     mcv_report_text(report, "noise_from", s->noise ? s->noise : "the differences of neighbours");
     mcv_report_text(report, "render_error",
-                    s->readings.render.pixels
-                        ? "taken out"
-                        : "not told by the image: what there is of it counts as noise");
+                    s->readings.render.pixels ? "taken out"
+                                              : "not stated by the image: it is part of the noise");
     report_regions(s, report);
     report_boxes(s, report);
 }

@@ -54,15 +54,14 @@ void mcv_new_warn(const mcv_rig_design *r, mcv_report *report) {
     for (int i = 0; i < 2; ++i) {
         if (r->across[i] <= r->field[i] * (1 + 1e-9)) continue;
         snprintf(text, sizeof text,
-                 "the part, %s x %s, reaches out of the field of view, %s x %s, %s",
+                 "the part, %s x %s, is larger than the field of view, %s x %s, %s",
                  length(r->across[0]), length(r->across[1]), length(r->field[0]),
                  length(r->field[1]), i ? "in height" : "in width");
         mcv_report_tell(report, "warning", text);
     }
     if (r->magnification >= 1e-3 && r->magnification <= 100) return;
-    snprintf(text, sizeof text,
-             "%.256s: a magnification of %.3g is unusual: is --unit right, which is %s?",
-             r->wishes.part, r->magnification, r->wishes.unit ? r->wishes.unit : "m by default");
+    snprintf(text, sizeof text, "%.256s: a magnification of %.3g is unusual: is the unit %s right?",
+             r->wishes.part, r->magnification, r->wishes.unit ? r->wishes.unit : "m");
     mcv_report_tell(report, "warning", text);
 }
 

@@ -21,20 +21,25 @@ mcv_result mcv_render_options_read(const mcv_command *command, mcv_render_option
     MCV_TRY(mcv_precision_read(command, &options->precision, error));
     if (command->spp && command->samples[1])
         return mcv_fail(error, MCV_USAGE,
-                        "--spp and --samples both say how many samples: give one of them");
+                        "--spp and --samples both set the number of samples: give one of them");
     if (command->error > 0 && command->replicates < 2)
         return mcv_fail(
             error, MCV_USAGE,
-            "--error needs replicates to know the error from: give --replicates 2 or more");
+            "--error needs at least two replicates to estimate the error: give --replicates 2 or "
+            "more");
     if (command->adaptive && command->samples[1])
         return mcv_fail(
             error, MCV_USAGE,
-            "--adaptive is of a whole render: leave out --samples, and say how many by --spp");
+            "--adaptive needs a whole render: leave out --samples, and limit them by --spp");
     if (command->adaptive && mcv_wants_reference(command))
         return mcv_fail(error, MCV_USAGE,
                         "--adaptive: the reference renderer gives all pixels the same samples: "
                         "leave out one of the two");
     options->adaptive = command->adaptive;
+    options->no_light_paths = command->light_paths == 2;
+    /* Sets of a sweep, and scenes that are compared, have as many of them each. */
+    options->light_pilot =
+        command->light_paths == 0 && !command->samples[1] && command->verb == MCV_VERB_RENDER;
     options->first = command->samples[0];
     options->last = command->samples[1];
     if (command->spp) {

@@ -35,7 +35,7 @@ static mcv_result add_replicate(const mcv_film *film, uint32_t replicate, mcv_ex
     return mcv_exr_add_part(exr, name, image, NULL, error);
 }
 
-/* How many samples each pixel has. */
+/* The number of samples of each pixel. */
 static mcv_result add_samples(const mcv_film *film, mcv_exr *exr, mcv_error *error) {
     mcv_image image;
     MCV_TRY(mcv_image_new(&image, film->width, film->height, 1, error));
@@ -49,7 +49,7 @@ static mcv_result add_samples(const mcv_film *film, mcv_exr *exr, mcv_error *err
 static mcv_result add_parts(const mcv_rendered *r, mcv_exr *exr, mcv_error *error) {
     const mcv_film *film = r->film;
     mcv_image mean, deviation = {0};
-    /* One replicate has no spread, and so no known error. */
+    /* One replicate has no spread, so its error is not known. */
     const bool several = film->replicates > 1;
     MCV_TRY(mcv_film_develop(film, &mean, several ? &deviation : NULL, error));
     const mcv_result added = mcv_exr_add_part(exr, "image", mean, NULL, error);

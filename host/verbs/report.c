@@ -5,25 +5,31 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 enum { LABEL_WIDTH = 24 };
 
 void mcv_report_begin(mcv_report *report, bool json, mcv_report_told *told) {
-    *report = (mcv_report){.open = {json ? json_object() : NULL}, .json = json, .told = told};
+    *report = (mcv_report){
+        .open = {json ? json_object() : NULL}, .json = json, .told = told, .out = stdout};
+}
+
+mcv_result mcv_report_keep(mcv_report *report, bool json, mcv_error *error) {
+    *report = (mcv_report){.open = {json ? json_object() : NULL}, .json = json};
+    report->notes = json_array();
+    if (!json) report->out = open_memstream(&report->text, &report->size);
+    return report->notes && (json ? report->open[0] != NULL : report->out != NULL)
+               ? MCV_OK
+               : mcv_fail(error, MCV_FAILED, "no memory for the report");
 }
 
 void mcv_report_tell(mcv_report *report, const char *severity, const char *text) {
-    if (report->told) {
+    if (report->told)
         report->told(severity, text);
-        return;
-    }
-    json_t *list = json_object_get(report->open[0], "notes");
-    if (!list) {
-        list = json_array();
-        json_object_set_new(report->open[0], "notes", list);
-    }
-    json_array_append_new(list, json_string(text));
+    else
+        json_array_append_new(report->notes,
+                              json_pack("{s:s, s:s}", "severity", severity, "text", text));
 }
 
 mcv_result mcv_report_end(mcv_report *report, mcv_error *error) {
@@ -36,15 +42,49 @@ mcv_result mcv_report_end(mcv_report *report, mcv_error *error) {
                   : MCV_OK;
 }
 
+/* What was told comes before the report, a line each: "warning: SENTENCE". */
+static char *take_text(mcv_report *report) {
+    char *text = NULL;
+    size_t size = 0, i;
+    const json_t *note;
+    FILE *out = open_memstream(&text, &size);
+    if (fclose(report->out) != 0 || !out) {
+        if (out) fclose(out);
+        free(text);
+        text = NULL;
+    } else {
+        json_array_foreach(report->notes, i, note) {
+            fprintf(out, "%s: %s\n", json_string_value(json_object_get(note, "severity")),
+                    json_string_value(json_object_get(note, "text")));
+        }
+        fputs(report->text, out);
+        if (fclose(out) != 0) {
+            free(text);
+            text = NULL;
+        }
+    }
+    report->out = NULL;
+    return text;
+}
+
 mcv_result mcv_report_take(mcv_report *report, char **text, mcv_error *error) {
-    *text = json_dumps(report->open[0], JSON_COMPACT | JSON_REAL_PRECISION(17));
+    if (!report->json) {
+        *text = take_text(report);
+    } else {
+        if (json_array_size(report->notes) > 0)
+            json_object_set(report->open[0], "notes", report->notes);
+        *text = json_dumps(report->open[0], JSON_COMPACT | JSON_REAL_PRECISION(17));
+    }
     mcv_report_free(report);
     return *text ? MCV_OK : mcv_fail(error, MCV_FAILED, "no memory for the report");
 }
 
 void mcv_report_free(mcv_report *report) {
     json_decref(report->open[0]);
-    report->open[0] = NULL;
+    json_decref(report->notes);
+    if (report->out && report->out != stdout) fclose(report->out);
+    free(report->text);
+    *report = (mcv_report){.json = report->json};
 }
 
 /* Puts a value (owned) into the innermost object or list. */
@@ -62,20 +102,20 @@ static void enter(mcv_report *report, const char *key, json_t *value) {
 }
 
 void mcv_report_open(mcv_report *report, const char *key) {
-    if (!report->json) printf("%*s%s\n", 2 * report->depth, "", key);
+    if (!report->json) fprintf(report->out, "%*s%s\n", 2 * report->depth, "", key);
     enter(report, key, report->json ? json_object() : NULL);
 }
 
 void mcv_report_list(mcv_report *report, const char *key) {
-    if (!report->json) printf("%*s%s\n", 2 * report->depth, "", key);
+    if (!report->json) fprintf(report->out, "%*s%s\n", 2 * report->depth, "", key);
     enter(report, key, report->json ? json_array() : NULL);
 }
 
 void mcv_report_element(mcv_report *report, const char *name, const char *type) {
     if (!report->json) {
-        printf("%*s", 2 * report->depth, "");
-        mcv_print_plain(stdout, name);
-        printf("%s%s\n", name[0] ? ": " : "", type);
+        fprintf(report->out, "%*s", 2 * report->depth, "");
+        mcv_print_plain(report->out, name);
+        fprintf(report->out, "%s%s\n", name[0] ? ": " : "", type);
     }
     enter(report, NULL, report->json ? json_object() : NULL);
     if (!report->json) return;
@@ -86,9 +126,9 @@ void mcv_report_element(mcv_report *report, const char *name, const char *type) 
 void mcv_report_close(mcv_report *report) { --report->depth; }
 
 static void print_label(const mcv_report *report, const char *key) {
-    int at = printf("%*s", 2 * report->depth, "");
-    for (const char *c = key; *c; ++c, ++at) putchar(*c == '_' ? ' ' : *c);
-    printf("%*s", at < LABEL_WIDTH ? LABEL_WIDTH - at : 1, "");
+    int at = fprintf(report->out, "%*s", 2 * report->depth, "");
+    for (const char *c = key; *c; ++c, ++at) fputc(*c == '_' ? ' ' : *c, report->out);
+    fprintf(report->out, "%*s", at < LABEL_WIDTH ? LABEL_WIDTH - at : 1, "");
 }
 
 void mcv_report_text(mcv_report *report, const char *key, const char *text) {
@@ -97,8 +137,8 @@ void mcv_report_text(mcv_report *report, const char *key, const char *text) {
         put(report, key, value ? value : json_null()); /* not UTF-8 */
     } else {
         print_label(report, key);
-        mcv_print_plain(stdout, text);
-        putchar('\n');
+        mcv_print_plain(report->out, text);
+        fputc('\n', report->out);
     }
 }
 
@@ -109,14 +149,14 @@ void mcv_report_flag(mcv_report *report, const char *key, bool value) {
         mcv_report_text(report, key, value ? "yes" : "no");
 }
 
-/* Whole numbers stay whole in JSON, as far as a double holds them. */
+/* Integers stay integers in JSON, as far as a double represents them. */
 static json_t *number(double value) {
     if (!isfinite(value)) return json_null();
     return value == floor(value) && fabs(value) < 0x1p53 ? json_integer((json_int_t)value)
                                                          : json_real(value);
 }
 
-/* The unit in which the largest of the values reads best. */
+/* The unit that suits the largest value. */
 static const char *handy_unit(const char *unit, const double *values, size_t count,
                               double *factor) {
     static const struct {
@@ -152,15 +192,16 @@ void mcv_report_numbers(mcv_report *report, const char *key, const char *unit, c
     const char *name = handy_unit(unit, values, count, &factor);
     print_label(report, key);
     for (size_t i = 0; i < count; ++i) {
-        if (i) fputs(between, stdout);
-        if (isfinite(values[i])) /* what rounding leaves of a 0 is a 0; + 0: no -0 */
-            printf("%.6g", fabs(values[i]) > 1e-14 * largest || !isfinite(largest)
-                               ? values[i] * factor + 0.0
-                               : 0);
+        if (i) fputs(between, report->out);
+        if (isfinite(values[i])) /* a rounded 0 is printed as 0; + 0: no -0 */
+            fprintf(report->out, "%.6g",
+                    fabs(values[i]) > 1e-14 * largest || !isfinite(largest)
+                        ? values[i] * factor + 0.0
+                        : 0);
         else
-            fputs("infinite", stdout);
+            fputs("infinite", report->out);
     }
-    printf("%s%s\n", name[0] ? " " : "", name);
+    fprintf(report->out, "%s%s\n", name[0] ? " " : "", name);
 }
 
 void mcv_report_number(mcv_report *report, const char *key, const char *unit, double value) {
@@ -184,9 +225,9 @@ void mcv_report_quantity(mcv_report *report, const char *key, const char *unit, 
     double factor;
     const char *name = handy_unit(unit, &value, 1, &factor);
     print_label(report, key);
-    printf("%.6g", value * factor + 0.0);
-    if (isfinite(uncertainty)) printf(" ± %.2g", uncertainty * factor);
-    printf("%s%s\n", name[0] ? " " : "", name);
+    fprintf(report->out, "%.6g", value * factor + 0.0);
+    if (isfinite(uncertainty)) fprintf(report->out, " ± %.2g", uncertainty * factor);
+    fprintf(report->out, "%s%s\n", name[0] ? " " : "", name);
 }
 
 void mcv_report_spectrum(mcv_report *report, const char *key, const char *unit,

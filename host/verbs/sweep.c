@@ -31,12 +31,15 @@ mcv_result mcv_sweep_experiment(const mcv_command *c, mcv_experiment *experiment
                                        .threads = (uint32_t)c->threads},
                          .render_with = mcv_wants_reference(c) ? mcv_reference_render : NULL,
                          .images = c->images,
-                         .resume = c->resume};
+                         .resume = c->resume,
+                         .force = c->again};
+    if (c->resume && c->again)
+        return mcv_fail(error, MCV_USAGE, "--force begins the table again: leave out --resume");
     return mcv_render_options_read(c, &experiment->render, error);
 }
 
 json_t *mcv_sweep_settings(const mcv_command *command) {
-    static const char *const without[] = {"output",  "images",   "resume", "device",
+    static const char *const without[] = {"output",  "images",   "resume", "force", "device",
                                           "threads", "schedule", "json",   NULL};
     return mcv_command_json(command, without);
 }

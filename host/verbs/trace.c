@@ -14,7 +14,7 @@ static const char *const events[] = {
 #undef MCV_X
 };
 
-/* A name as one field of the table: in quotes, which are doubled inside. */
+/* Prints a name as one field of the table: in quotes, with inner quotes doubled. */
 static void print_name(FILE *out, const char *name) {
     fputc('"', out);
     for (; *name; ++name) fprintf(out, *name == '"' ? "\"\"" : "%c", *name);

@@ -1,25 +1,25 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * MCVISI_assets: a root array of other files that nodes place, so that a rig is written by hand and
- * its parts are exported again and again.
+ * MCVISI_assets: a root array of other files, which nodes place. The rig stands in one file and its
+ * parts in others, so that a part can be exported again without touching the rig.
  *
- *     {"name": "cover", "uri": "cover.stl", "unit": "mm", "material": "glass", "creaseAngle":
- * "30deg"}
- *     {"name": "vial", "uri": "vial.glb", "materials": {"Glass.001": "glass", "Water": "water"},
- * "nodeMaterials": {"Cap": "rubber"}}
+ *     {"name": "cover", "uri": "cover.stl", "unit": "mm", "material": "glass",
+ *      "creaseAngle": "30deg"}
+ *     {"name": "vial", "uri": "vial.glb", "nodeMaterials": {"Cap": "rubber"},
+ *      "materials": {"Glass.001": "glass", "Water": "water"}}
  *
- * `unit` is that of the file's lengths; an .stl file does not tell it, so it must be given, for
- * glTF it is metres by default. Only meshes and emissive materials of a glTF file count.
+ * `unit` is the unit of the file's lengths. It is required for .stl files, which do not state it;
+ * for glTF its default is the metre. Of a glTF file only meshes and emissive materials are used.
  *
- * Materials of the scene, by name or index, may take the place of the file's: `material` all of
- * them, `materials` those of these names, `nodeMaterials` whatever hangs on the nodes of these
- * names or below them. The nearest node counts, then the material's name, then `material`. Several
- * of one name are meant all; what has no name goes by its index. What was replaced does not emit
- * light.
+ * Materials of the scene, by name or index, may replace those of the file. `material` replaces all
+ * of them, `materials` those with the given names, `nodeMaterials` those of the nodes with the
+ * given names and of the nodes below them. The nearest node has precedence, then the material's
+ * name, then `material`. A name that occurs several times means all of them. A nameless material or
+ * node goes by its index. A replaced material does not emit.
  *
- * STL files know flat triangles only. With a `creaseAngle` (host/scene/normals.c) they get vertex
- * normals, continuous where faces meet at this angle or less: bodies of glass and mirrors need them
- * where they are curved.
+ * STL files contain flat triangles only. With a `creaseAngle` (host/scene/normals.c) they get
+ * vertex normals that are continuous where faces meet at this angle or less. Curved lenses and
+ * curved mirrors need them.
  */
 #ifndef MCVISI_ASSET_H
 #define MCVISI_ASSET_H
@@ -28,7 +28,7 @@
 
 #define MCV_ASSET_PARAMS(X) \
     X(angle, creaseAngle, MCV_UNSET, 0, 3.141592653589793, \
-      "of an .stl file: faces that meet at this angle or less are one smooth surface; flat " \
-      "triangles without it [rad]")
+      "of an .stl file: faces that meet at this angle or less form one smooth surface; without " \
+      "it triangles are flat [rad]")
 
 #endif

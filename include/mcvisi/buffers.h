@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The buffers of a scene on the device: kernel arguments (kernels/world.h), members of the host's
- * mcv_device_scene, and what fills them. A new buffer is one line here.
+ * The list of a scene's buffers on the device. It makes the kernel arguments (kernels/world.h), the
+ * members of the host's mcv_device_scene, and the code that fills them. A new buffer is one line
+ * here.
  *
- * X(space, type, name, "the words", bytes, data): in `space`, of elements of `type`. The host alone
- * reads the last three: what messages call the buffer, its size and its contents, in the terms of
- * fill_buffers (host/device/device_scene.c); bytes 0: a scene lacks it, and kernels get NULL.
- * `data` NULL: the contents are written for each sensor or pass.
+ * X(space, type, name, "words", bytes, data): a buffer in `space` with elements of `type`. Only the
+ * host reads the last three: the name in messages, the size and the contents, written in the
+ * variables of fill_buffers (host/device/device_scene.c). Size 0: the scene does not need the
+ * buffer, and kernels get NULL. Data NULL: the contents are written for each sensor or pass.
  */
 #ifndef MCVISI_BUFFERS_H
 #define MCVISI_BUFFERS_H
@@ -51,7 +52,7 @@
     X(__global, mcv_device_pupil_guide, pupil_guides, "the pupil guides", 0, NULL) \
     /* The pixels of a pass where the frame has them listed; made by the renderer. */ \
     X(__global, uint, listed, "the listed pixels", 0, NULL) \
-    X(__global, MCV_SOLID, solids, "the exact surfaces", \
+    X(__global, mcv_device_solid, solids, "the exact surfaces", \
       present(p->solids, p->solid_count * sizeof *p->solids), p->solids) \
     X(__global, MCV_PRECISE_SOLID, precise_solids, "the exact surfaces in double", \
       present(p->precise_solids, p->solid_count * sizeof *p->precise_solids), p->precise_solids) \

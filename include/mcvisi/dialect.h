@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The one file that knows that there are two languages. Everything in
- * include/mcvisi/{sensors,emitters,materials} and the headers beside this one is compiled as OpenCL
- * C 1.2 on the device and as C11 on the host, with the same bits: only + - * / sqrt fma,
- * comparisons, integers. Contraction is off on both sides (host: -ffp-contract=off). The clang
- * front end alone defines only __OPENCL_C_VERSION__, drivers define __OPENCL_VERSION__ too.
+ * The only file that distinguishes the two languages. The headers in include/mcvisi are compiled as
+ * OpenCL C 1.2 on the device and as C11 on the host, with the same bits. They use only + - * / sqrt
+ * fma, comparisons and integers. Contraction is off on both sides (host: -ffp-contract=off).
+ *
+ * The clang front end defines only __OPENCL_C_VERSION__; drivers define __OPENCL_VERSION__ too.
  */
 #ifndef MCVISI_DIALECT_H
 #define MCVISI_DIALECT_H
@@ -17,10 +17,11 @@
 #define MCV_CONSTANT __constant
 #define MCV_FUNCTION static inline
 /*
- * A loop is only vectorised without calls. In the tile schedule these functions are not static: of
- * static ones clang takes parameters off that a scene does not need, and loses with the call the
- * promise that the turns of a loop are independent. __inline__ says that no caller lies elsewhere,
- * so that no function of its own is compiled; PoCL defines `inline` away.
+ * The compiler vectorises a loop only if it has no calls. In the tile schedule these functions are
+ * not static: clang removes unused parameters from static functions, and the rewritten call loses
+ * the promise that iterations are independent. __inline__ says that no caller lies in another file,
+ * so that clang emits no separate function. It is written with underscores because PoCL defines
+ * `inline` away.
  */
 #if defined(MCV_TILE) && defined(__clang__)
 #pragma clang diagnostic ignored "-Wstatic-in-inline"
@@ -68,8 +69,8 @@ MCV_FUNCTION float as_float(uint bits) {
 
 #endif
 
-/* "No such thing": an absent texture, emitter, medium, triangle. */
+/* "None": an absent texture, emitter, medium or triangle. */
 #define MCV_NONE 0xffffffffu
-#define MCV_SKY 0xfffffffeu /* in place of an instance: what lies infinitely far away */
+#define MCV_SKY 0xfffffffeu /* in place of an instance: infinitely far away */
 
 #endif

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Exponential and logarithm of +, -, *, / and fma alone: the same bits on every device, and loops
- * over them are vectorised. */
+/* Exponential and logarithm from +, -, *, / and fma alone. They return the same bits on every
+ * device, and loops that call them are vectorised. */
 #ifndef MCVISI_ELEMENTARY_H
 #define MCVISI_ELEMENTARY_H
 
@@ -8,11 +8,11 @@
 
 /* exp(-x) for x >= 0, by 2^(-x log2 e) with a polynomial: relative error below 3e-7. */
 MCV_LOOP_FUNCTION float mcv_exp_minus(float x) {
-    /* Below 2^-126 the result would be denormal: nothing is left of the light. */
+    /* Below 2^-126 the result would be denormal; it is rounded to 0. */
     if (!(x < 87.0f)) return 0.0f;
     const float scaled = x * 1.44269504f;
     const float whole = mcv_floor(scaled + 0.5f);
-    /* x = whole ln 2 + rest, ln 2 in two parts so that rest keeps its digits. */
+    /* x = whole ln 2 + rest. ln 2 is split in two so that rest keeps its digits. */
     const float rest = mcv_fma(whole, 2.12194440e-4f, mcv_fma(whole, -0.693359375f, x));
     const float r = -rest;
     float p = mcv_fma(r, 1.3888889e-3f, 8.3333333e-3f);
@@ -37,7 +37,7 @@ MCV_LOOP_FUNCTION float mcv_log_1_plus(float x) {
     p = mcv_fma(s, p, 0.66666667f);
     p = mcv_fma(s, p, 2.0f);
     const float log_y = mcv_fma((float)whole, 0.69314718f, t * p);
-    return y > 1.0f ? log_y * (x / (y - 1.0f)) : x; /* what y has lost by rounding */
+    return y > 1.0f ? log_y * (x / (y - 1.0f)) : x; /* corrects the rounding of y */
 }
 
 #endif

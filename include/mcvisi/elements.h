@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The lists of all elements: X(name, "name in the scene file", NAME), and their headers. Enums,
- * parser, dispatch, help and schema follow; docs/adding-an-element.md has the steps.
+ * The lists of all elements, X(name, "name in the scene file", NAME), and their headers. The enums,
+ * the parser, the dispatch, the help and the schemas are generated from them.
+ * docs/adding-an-element.md has the steps.
  */
 #ifndef MCVISI_ELEMENTS_H
 #define MCVISI_ELEMENTS_H
@@ -14,7 +15,7 @@
     X(telecentric, "telecentric", TELECENTRIC) \
     X(light_field, "lightField", LIGHT_FIELD)
 
-/* Lights without extent, by how their intensity depends on the angle from the axis
+/* Emitters without extent. They differ in how their intensity depends on the angle from the axis
  * (mcvisi/point_light.h). */
 /* clang-format off */
 #define MCV_POINT_LIGHTS(X) \
@@ -22,19 +23,26 @@
     X(spot, "spot", SPOT)
 /* clang-format on */
 
+/* Emitters with a surface, by how their radiance depends on the angle from its normal
+ * (mcvisi/surface_light.h). */
+/* clang-format off */
+#define MCV_SURFACE_LIGHTS(X) \
+    X(area, "area", AREA)
+/* clang-format on */
+
 #define MCV_EMITTERS(X) \
     X(parallel, "parallel", PARALLEL) \
     X(telecentric_projector, "telecentricProjector", TELECENTRIC_PROJECTOR) \
     X(light_field_emitter, "lightField", LIGHT_FIELD_EMITTER) \
     X(projector, "projector", PROJECTOR) \
-    X(area, "area", AREA) \
+    MCV_SURFACE_LIGHTS(X) \
     X(environment, "environment", ENVIRONMENT) \
     X(collimated_beam, "collimatedBeam", COLLIMATED_BEAM) \
     MCV_POINT_LIGHTS(X) \
     X(directional, "directional", DIRECTIONAL)
 
-/* Types of emitters that the loader makes of geometry and the elements above: kernels know nothing
- * of them. */
+/* Presets: emitters that the loader builds from geometry and the elements above. Kernels do not
+ * know them. */
 #define MCV_PRESETS(X) \
     X(ring, "ring", RING) \
     X(bar, "bar", BAR) \
@@ -42,23 +50,31 @@
     X(coaxial, "coaxial", COAXIAL)
 
 /*
- * Materials that two functions of their own describe, mcv_scatter_<name> and mcv_respond_<name> in
- * kernels/bsdf/. A struct mcv_<name> holds what these need beside the reflectance.
+ * Materials that are described by two functions of their own, mcv_scatter_<name> and
+ * mcv_respond_<name> in kernels/bsdf/. The struct mcv_<name> holds what these functions need beside
+ * the reflectance.
  */
 /* clang-format off */
-#define MCV_REFLECTORS(X) \
+#define MCV_SCATTERERS(X) \
     X(retroreflector, "retroreflector", RETROREFLECTOR)
 /* clang-format on */
+
+/*
+ * Plates without thickness: they reflect one share of the light and pass another straight on.
+ * mcv_scatter_<name> in kernels/bsdf/ describes each. A struct mcv_<name> holds what it needs.
+ */
+#define MCV_PLATES(X) \
+    X(sheet, "sheet", SHEET) \
+    X(beam_splitter, "beamSplitter", BEAM_SPLITTER)
 
 #define MCV_MATERIALS(X) \
     X(diffuse, "diffuse", DIFFUSE) \
     X(dielectric, "dielectric", DIELECTRIC) \
-    X(sheet, "sheet", SHEET) \
+    MCV_PLATES(X) \
     X(mirror, "mirror", MIRROR) \
-    X(beam_splitter, "beamSplitter", BEAM_SPLITTER) \
     X(conductor, "conductor", CONDUCTOR) \
     X(metallic_roughness, "metallicRoughness", METALLIC_ROUGHNESS) \
-    MCV_REFLECTORS(X) \
+    MCV_SCATTERERS(X) \
     X(absorber, "absorber", ABSORBER)
 
 #define MCV_SENSOR_ENUM(name, key, NAME) MCV_SENSOR_##NAME,
@@ -70,10 +86,10 @@ enum { MCV_EMITTERS(MCV_EMITTER_ENUM) MCV_EMITTER_COUNT };
 enum {
     MCV_PRESET_BEFORE = MCV_EMITTER_COUNT - 1,
     MCV_PRESETS(MCV_PRESET_ENUM) MCV_EMITTER_TYPE_COUNT
-}; /* presets number on */
+}; /* the numbers of the presets follow */
 enum { MCV_MATERIALS(MCV_MATERIAL_ENUM) MCV_MATERIAL_COUNT };
 
-/* Their headers. The device has those that the scene needs. */
+/* Headers of the elements. The device includes only those that the scene needs. */
 #if !MCV_ON_DEVICE || defined(MCV_SENSOR_pinhole)
 #include "mcvisi/sensors/pinhole.h"
 #endif
@@ -117,18 +133,16 @@ enum { MCV_MATERIALS(MCV_MATERIAL_ENUM) MCV_MATERIAL_COUNT };
 #if !MCV_ON_DEVICE || MCV_WITH_DIELECTRIC
 #include "mcvisi/materials/dielectric.h"
 #endif
-#if !MCV_ON_DEVICE || MCV_WITH_SHEET
+#include "mcvisi/materials/beam_splitter.h"
 #include "mcvisi/materials/sheet.h"
-#endif
 #if !MCV_ON_DEVICE || MCV_WITH_REFLECTOR
 #include "mcvisi/materials/retroreflector.h"
 #endif
 
-/* Kernels know nothing of these. */
+/* Host only. */
 #if !MCV_ON_DEVICE
 #include "mcvisi/emitters/telecentric_projector.h"
 #include "mcvisi/materials/absorber.h"
-#include "mcvisi/materials/beam_splitter.h"
 #include "mcvisi/materials/conductor.h"
 #include "mcvisi/materials/metallic_roughness.h"
 #include "mcvisi/materials/mirror.h"

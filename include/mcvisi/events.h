@@ -2,12 +2,12 @@
 #ifndef MCVISI_EVENTS_H
 #define MCVISI_EVENTS_H
 
-/* What happens at a vertex of a path. X(NAME, "word") */
+/* What happens at a vertex of a path: X(NAME, "word"). */
 #define MCV_EVENTS(X) \
     X(START, "start") \
     X(REFRACT, "refract") \
     X(REFLECT, "reflect") \
-    X(PASS, "pass") /* a boundary that is none: same index on both sides, or a thin sheet */ \
+    X(PASS, "pass") /* boundary without effect (same index on both sides), or a thin sheet */ \
     X(END, "end")   /* diffuse, absorbing or emitting surface */ \
     X(MISS, "miss")
 enum {

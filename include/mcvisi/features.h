@@ -1,60 +1,56 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What a scene needs. Only this is compiled, launched and allocated: each feature is a macro
- * MCV_WITH_<NAME> of 0 or 1 in the kernels, set by the host from the scene
- * (host/render/features.c).
+ * What a scene needs. Only the needed features are compiled, launched and allocated. Each feature
+ * is a macro MCV_WITH_<NAME>, 0 or 1, in the kernels; the host sets it (host/device/features.c).
  *
- * X(NAME, "word for people", "why")
+ * X(NAME, "word for people", "reason"): `mcvisi check` prints the last two.
  */
 #ifndef MCVISI_FEATURES_H
 #define MCVISI_FEATURES_H
 
 #define MCV_FEATURES(X) \
     X(DIFFUSE, "diffuse", "a material reflects diffusely") \
-    X(TRANSLUCENT, "translucent", "a diffuse material lets light through") \
+    X(TRANSLUCENT, "translucent", "a diffuse material transmits light") \
     X(DIELECTRIC, "dielectric", "a body of glass, fluid or gas refracts") \
     X(ABSORPTION, "absorption", "a medium absorbs along the path") \
-    X(COATING, "coating", "a coating changes how much a body reflects") \
-    X(DISPERSION, "dispersion", "a body refracts colours differently") \
+    X(COATING, "coating", "a coating changes the reflectance of a body") \
+    X(DISPERSION, "dispersion", "the refractive index of a body depends on the wavelength") \
     X(SPLIT, "split", \
-      "bodies of glass, sheets and beam splitters both reflect and pass light: paths follow both " \
-      "ways from the first of them") \
+      "a path splits in two at the first glass, sheet or beam splitter: reflected and " \
+      "transmitted") \
     X(SHEET, "sheet", "a thin sheet or a beam splitter transmits") \
     X(MIRROR, "mirror", "a mirror reflects") \
-    X(GLOSS, "gloss", "a metal reflects, or a surface of microfacets") \
-    X(REFLECTOR, "retroreflector", \
-      "a surface reflects by a law of its own, as a retroreflector does") \
+    X(GLOSS, "gloss", "a metal or a rough surface reflects") \
+    X(REFLECTOR, "retroreflector", "a surface has a BSDF of its own, such as a retroreflector") \
     X(CONTACT, "contact", \
-      "bodies of glass or fluid may touch: surfaces in the same place are looked for") \
+      "bodies of glass or fluid may touch: rays check for coincident surfaces") \
     X(SURFACES, "surfaces", "a lens or another body has exact surfaces") \
     X(TEXTURE, "texture", "an image modulates a material or an emitter") \
     X(NORMALS, "normals", "a mesh has interpolated normals") \
-    X(PARALLEL, "parallel", "a parallel emitter or a telecentric projector shines") \
-    X(LIGHT_FIELD, "light-field", "a light field emitter shines") \
-    X(PROJECTOR, "projector", "a projector shines through its lens") \
-    X(AREA, "area", "a diffuse area emitter shines") \
-    X(ENVIRONMENT, "environment", "the environment shines") \
-    X(ENVIRONMENT_IMAGE, "environment-image", "the environment is an image") \
-    X(BEAM, "collimated-beam", "a collimated beam shines") \
-    X(PUNCTUAL, "punctual", "a point, spot or directional light shines") \
-    X(NEXT_EVENT, "next-event", "surfaces that spread light look for emitters") \
-    X(RECTANGLE, "rectangle", \
-      "one of these emitters is a rectangle: they look for it by solid angle") \
+    X(PARALLEL, "parallel", "the scene has a parallel emitter or a telecentric projector") \
+    X(LIGHT_FIELD, "light-field", "the scene has a light field emitter") \
+    X(PROJECTOR, "projector", "the scene has a projector") \
+    X(AREA, "area", "the scene has a diffuse area emitter") \
+    X(ENVIRONMENT, "environment", "the scene has a uniform environment") \
+    X(ENVIRONMENT_IMAGE, "environment-image", "the scene has an environment with an image") \
+    X(BEAM, "collimated-beam", "the scene has a collimated beam") \
+    X(PUNCTUAL, "punctual", "the scene has a point, spot or directional light") \
+    X(NEXT_EVENT, "next-event", \
+      "next-event estimation: surfaces that scatter light sample the emitters") \
+    X(RECTANGLE, "rectangle", "a sampled emitter is a rectangle: it is sampled by solid angle") \
     X(REACH, "reach", \
-      "surfaces that spread light choose among a few emitters by what these may bring") \
+      "there are few emitters: each surface chooses by what an emitter can contribute to it") \
     X(EARLY_ROULETTE, "early-roulette", \
-      "surfaces that spread light look for all of it: what a path brings after its first ones is " \
-      "little, and roulette ends more of them") \
-    X(AIM, "aim", "a sensor sees a parallel emitter whose cone is narrower than its pupil") \
+      "next-event estimation samples all light: later vertices contribute little, so Russian " \
+      "roulette ends paths earlier") \
+    X(AIM, "aim", \
+      "pupil guiding: the cone of a parallel emitter is narrower than the sensor's pupil") \
     X(LIGHT_TRACING, "light-tracing", \
-      "light of emitters reaches surfaces that spread it, or a beam the lens, through smooth " \
-      "ones") \
+      "light tracing: emitters light scattering surfaces, or a beam reaches the lens, by way of " \
+      "smooth surfaces") \
     X(MIXED, "mixed", \
-      "--precision mixed: where smooth surfaces are met and which way rays go on is worked out " \
-      "in double") \
-    X(INTERLEAVE, "interleave", \
-      "surfaces that spread light among so many triangles that rays which are left alone take " \
-      "turns while others wait for memory")
+      "--precision mixed: hits on smooth surfaces and directions behind them are computed in " \
+      "double")
 
 enum {
 #define MCV_X(NAME, word, why) MCV_FEATURE_##NAME,
@@ -63,8 +59,9 @@ enum {
         MCV_FEATURE_COUNT
 };
 
-/* X(stage, whether it runs, in the terms of MCV_WITH_…): in the order in which they run. The names
- * are keys of `check --json`; kernels/README.md says which file has each. */
+/* X(stage, condition): the stages in the order in which they run. A stage runs if its condition, in
+ * terms of MCV_WITH_…, is not 0. The names are keys of `check --json`; kernels/README.md says which
+ * file holds each stage. */
 #define MCV_STAGES(X) \
     X(aim_pupils, MCV_WITH_AIM) \
     X(generate_rays, 1) \

@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Where light paths aim: at balls around smooth surfaces. They leave a place of a light for one of
- * the cones that the balls fill from there, chosen by solid angle, in a direction uniform in it:
- * one that lies in n of the cones has the density n/ΣΩ. Where the light shines into a smaller cone,
- * or from within a ball, its own cone takes the ball's place.
+ * How light paths choose a direction: towards bounding balls of the smooth surfaces. From a point
+ * of an emitter each ball fills a cone. A path chooses one of these cones by solid angle, and a
+ * direction uniform in it. A direction that lies in n of the cones has the density n/ΣΩ. Where the
+ * emitter's own cone is smaller than the ball's, or the point lies inside the ball, the own cone
+ * replaces it.
  *
- * Cones and angles are by half-angle sines and chords, Ω = 4π sin²(β/2): a float32 cosine cannot
- * tell 0.02° from 0.
+ * Cones and angles are stored as sines of half-angles and chords, Ω = 4π sin²(β/2), because a
+ * float32 cosine cannot tell 0.02° from 0.
  */
 #ifndef MCVISI_LIGHT_CONE_H
 #define MCVISI_LIGHT_CONE_H
@@ -21,8 +22,8 @@ MCV_LOOP_FUNCTION mcv_vec3 mcv_ball_centre(mcv_ball ball) {
 
 typedef struct mcv_cone {
     mcv_vec3 axis;
-    float squared; /* sin²(β/2); 0: nothing */
-    int own;       /* the light's own: that a direction is in it need not be asked */
+    float squared; /* sin²(β/2); 0: empty */
+    int own;       /* the emitter's own cone: it contains all directions that are asked for */
 } mcv_cone;
 
 MCV_LOOP_FUNCTION int mcv_is_in_cone(mcv_cone cone, mcv_vec3 direction) {
@@ -30,9 +31,9 @@ MCV_LOOP_FUNCTION int mcv_is_in_cone(mcv_cone cone, mcv_vec3 direction) {
     return cone.squared > 0.0f && (cone.own || 0.25f * mcv_dot(chord, chord) <= cone.squared);
 }
 
-/* The part of the light's own cone that a ball fills, or a larger one. Four roundings of unit
- * vectors more: whatever meets the ball is in it.
- */
+/* The cone of a ball if it overlaps the emitter's own cone (otherwise it is empty), or the own cone
+ * if that is smaller. It is wider by four roundings of unit vectors: every ray that hits the ball
+ * is in it. */
 MCV_LOOP_FUNCTION mcv_cone mcv_cone_to(mcv_ball ball, mcv_vec3 from, mcv_cone own) {
     mcv_cone cone;
     const mcv_vec3 way = mcv_sub(mcv_ball_centre(ball), from);
@@ -52,7 +53,8 @@ MCV_LOOP_FUNCTION mcv_cone mcv_cone_to(mcv_ball ball, mcv_vec3 from, mcv_cone ow
     return cone.squared > own.squared ? own : cone;
 }
 
-/* What is known of all cones: their solid angle [sr], and how many of them hold a direction. */
+/* What all cones have together: their solid angle [sr], and the number of them that contain a
+ * direction. */
 typedef struct mcv_aiming {
     float angle;
     uint within;
@@ -73,8 +75,8 @@ MCV_FUNCTION mcv_aiming mcv_aim_at(MCV_CONSTANT const mcv_ball *balls, uint coun
 }
 
 /*
- * A direction to one of the balls, and what is known of it (mcv_aim_at); *own becomes the cone that
- * was chosen. xi, eta: in [0, 1).
+ * Chooses a direction towards one of the balls; *aimed gets what mcv_aim_at says of it, *own
+ * becomes the chosen cone. xi and eta lie in [0, 1).
  */
 MCV_FUNCTION mcv_vec3 mcv_aim_anywhere(MCV_CONSTANT const mcv_ball *balls, uint count,
                                        mcv_vec3 from, mcv_cone *own, float xi, float eta,
@@ -93,7 +95,7 @@ MCV_FUNCTION mcv_vec3 mcv_aim_anywhere(MCV_CONSTANT const mcv_ball *balls, uint 
         remainder = ahead / cones[i].squared;
         ahead -= cones[i].squared;
     }
-    /* What is left of the number is as good as a new one. */
+    /* The remainder of xi is uniform again. */
     const mcv_vec3 direction =
         mcv_from_frame(mcv_sample_cone(mcv_sqrt(chosen.squared),
                                        remainder < 0.99999994f ? remainder : 0.99999994f, eta),

@@ -32,9 +32,10 @@
  * binary compatible, and program, library and other languages read one list.
  *
  * Results. Reports are JSON objects in SI units, the same as the program prints with --json. What
- * the program says beside them, on standard error, is the member "notes", a list of sentences.
- * Texts that the library makes are freed by mcv_text_free. Where a report
- * is not the only result, its pointer may be NULL.
+ * the program says beside them, on standard error, is the member "notes": [{"severity", "text"}].
+ * With the option {"json": false}, a check, a camera or a measurement gives the text that people
+ * read in its place, with such notes as its first lines. Texts that the library makes are freed by
+ * mcv_text_free. Where a report is not the only result, its pointer may be NULL.
  *
  * Handles. A handle belongs to whoever got it, who frees it once. All functions that free accept
  * NULL. The use of a handle that was freed is undefined, as with free(). Rigs and pictures do not
@@ -68,8 +69,7 @@
 extern "C" {
 #endif
 
-/* X(NAME, exit code, meaning): the codes a function returns are the codes the program exits with.
- */
+/* X(NAME, exit code, meaning): what functions return, and what the program exits with. */
 #define MCV_RESULTS(X) \
     X(OK, 0, "done") \
     X(FAILED, 1, "the work failed") \

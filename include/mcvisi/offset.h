@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * From a hit to the origin of the next ray, with error bounds instead of an epsilon (Pharr, Jakob
+ * The origin of the ray that leaves a hit, with error bounds instead of an epsilon (Pharr, Jakob
  * and Humphreys, Physically Based Rendering, "Managing Rounding Error"). u = 2^-24, γ(n) = n u / (1
  * - n u).
  */
@@ -14,9 +14,9 @@
 
 /*
  * The point with barycentric weights u of b and v of c on the triangle (a, b, c). *error gets a
- * bound, per coordinate, of its distance to the triangle's plane: the weights add up to 1 within
- * 2u, which moves the point by 2u Σ|b_i p_i| at most; product and sums round three times. That is
- * below the γ(7) Σ|b_i p_i| of the book, which leaves room for transformed vertices.
+ * bound, per coordinate, of its distance from the triangle's plane. The weights add up to 1 within
+ * 2u, which moves the point by at most 2u Σ|b_i p_i|; products and sums round three times. The
+ * bound is the book's γ(7) Σ|b_i p_i|, which is larger and leaves room for transformed vertices.
  */
 MCV_FUNCTION mcv_vec3 mcv_hit_point(mcv_vec3 a, mcv_vec3 b, mcv_vec3 c, float u, float v,
                                     mcv_vec3 *error) {
@@ -28,10 +28,10 @@ MCV_FUNCTION mcv_vec3 mcv_hit_point(mcv_vec3 a, mcv_vec3 b, mcv_vec3 c, float u,
     return mcv_along(mcv_along(mcv_scale(a, w), u, b), v, c);
 }
 
-/* x moved by the offset and then to the next float in its direction. */
+/* x + offset, and from there the next float in the direction of the offset. */
 MCV_LOOP_FUNCTION float mcv_step_aside(float x, float offset) {
     const float moved = x + offset;
-    /* Up from a positive number and down from a negative one leads away from 0. */
+    /* A larger bit pattern is a number further from 0. */
     const uint away =
         as_uint(moved) + (((as_uint(moved) ^ as_uint(offset)) >> 31) != 0u ? 0xffffffffu : 1u);
     const uint next = moved == 0.0f ? (as_uint(offset) & 0x80000000u) | 1u : away;
@@ -39,9 +39,9 @@ MCV_LOOP_FUNCTION float mcv_step_aside(float x, float offset) {
 }
 
 /*
- * The origin of a ray that leaves a surface: the point moved along the unit geometric normal, to
- * the side of the direction, until the box of its error lies wholly on that side; the last step to
- * the next float covers the sum's rounding.
+ * The origin of a ray that leaves a surface. The point moves along the unit geometric normal, to
+ * the side of the direction, until its error box lies wholly on that side. The last step to the
+ * next float covers the rounding of the sum.
  */
 MCV_LOOP_FUNCTION mcv_vec3 mcv_offset_origin(mcv_vec3 point, mcv_vec3 error, mcv_vec3 normal,
                                              mcv_vec3 direction) {

@@ -4,16 +4,19 @@
  *
  *     X(kind, key, default, min, max, "doc [unit]")
  *
- * with kinds length, angle, number, integer, int2, int4, length2, number2, spectrum, choice, flag,
- * image, pattern. The list generates the struct that the host works with (SI, double), the parser,
- * --set, `mcvisi check`, the help and the JSON schema. Both ends of [min, max] are allowed;
- * MCV_POSITIVE as min reads "above 0". A default of MCV_REQUIRED must be given; one of MCV_UNSET is
- * NaN (0 for integer and int2, MCV_NONE for int4, image and pattern) until the element's resolve
- * function derives it or leaves it out. For a choice the default is the name of the first option
- * and min/max are 0 and the last index; its options stand in MCV_CHOICES below. A flag is true or
- * false, 1 or 0. An image is the index or the name of one of the file's images or {"uri":
- * FILE.exr}; the loader sets it to the number of a texture. A pattern is an object
- * (mcvisi/pattern.h).
+ * The list generates the struct that the host works with (SI, double), the parser, --set, `mcvisi
+ * check`, the help and the JSON schema. Its kinds are length, angle, number, integer, int2, int4,
+ * length2, number2, spectrum, choice, flag, image and pattern.
+ *
+ * Both ends of [min, max] are allowed; MCV_POSITIVE as min means "above 0". A default of
+ * MCV_REQUIRED means that the key must be given. A default of MCV_UNSET is NaN (0 for integer and
+ * int2, MCV_NONE for int4, image and pattern) until the element's resolve function derives the
+ * value or leaves it out.
+ *
+ * A choice has the name of its first option as default; min is 0 and max the last index. Its
+ * options stand in MCV_CHOICES below. A flag is true or false, 1 or 0. An image is the index or the
+ * name of one of the file's images, or {"uri": FILE.exr}; the loader replaces it by the index of a
+ * texture. A pattern is an object (mcvisi/pattern.h).
  */
 #ifndef MCVISI_PARAMS_H
 #define MCVISI_PARAMS_H
@@ -29,8 +32,8 @@
 #define MCV_REQUIRED (-1e300)
 #define MCV_UNSET (-2e300)
 
-/* The fields a kind occupies in a parameter struct. length2, number2 and int2 also accept one
- * number for both. */
+/* The fields of each kind in a parameter struct. length2, number2 and int2 also accept one number
+ * for both fields. */
 #define MCV_FIELD_length(key) double key;
 #define MCV_FIELD_angle(key) double key;
 #define MCV_FIELD_number(key) double key;
@@ -42,7 +45,7 @@
 #define MCV_FIELD_spectrum(key) double key[3]; /* a number is grey, an array is R, G, B */
 #define MCV_FIELD_choice(key) int key;
 #define MCV_FIELD_flag(key) int key;
-#define MCV_FIELD_image(key) uint32_t key; /* of the scene's textures */
+#define MCV_FIELD_image(key) uint32_t key; /* index into the scene's textures */
 #define MCV_FIELD_pattern(key) mcv_pattern key;
 
 #define MCV_DEFINE_FIELD(kind, key, default_value, min, max, doc) MCV_FIELD_##kind(key)
@@ -79,9 +82,9 @@ typedef enum mcv_param_kind {
     MCV_PARAM_pattern,
 } mcv_param_kind;
 
-/* A sequence of patterns; what its type has no parameter for is 0. */
+/* A sequence of patterns. Parameters that its type does not have are 0. */
 typedef struct mcv_pattern {
-    uint32_t type; /* MCV_PATTERN_…, or MCV_NONE: none is given */
+    uint32_t type; /* MCV_PATTERN_…, or MCV_NONE if none is given */
     uint32_t steps;
     double periods;
     int orientation;

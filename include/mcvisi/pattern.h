@@ -1,24 +1,24 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Sequences of patterns for structured light: the parameter `pattern` of a projector, in place of
- * `image`; its `index` says which one of the sequence is shown, as in --set emitters/proj/index=3.
- * Values are linear, from 0 to 1. They change across the stripes only, from pixel to pixel of
- * `resolution`, W x H: with column x of W where the stripes are vertical (default), with row x of H
- * where horizontal.
+ * `image`. `index` chooses the pattern that is shown, as in --set emitters/proj/index=3. Values are
+ * linear, from 0 to 1. They change only across the stripes, from pixel to pixel of `resolution`, W
+ * x H. Vertical stripes (the default) are a function of the column x of W, horizontal ones of the
+ * row x of H.
  *
- * "phaseShift": N steps of P periods, I_k = ½ + ½ cos(2π P (x + ½)/W - 2π k/N), k = 0 … N - 1. Of
- * values seen, 2π P (x + ½)/W = atan2(Σ I_k sin(2π k/N), Σ I_k cos(2π k/N)), whatever the part's
- * reflectance and other light.
+ * "phaseShift": N steps of P periods, I_k = ½ + ½ cos(2π P (x + ½)/W - 2π k/N), k = 0 … N - 1. The
+ * measured values I_k give 2π P (x + ½)/W = atan2(Σ I_k sin(2π k/N), Σ I_k cos(2π k/N)),
+ * independent of the part's reflectance and of other light.
  *
  *     "pattern": {"type": "phaseShift", "steps": 4, "periods": 16, "resolution": [1280, 800]},
- * "index": 0
+ *     "index": 0
  *
- * "grayCode": the bits of g = x xor (x >> 1), of which neighbours differ in one: index 0 … B - 1
- * shows bit B - 1 - index, the coarsest first, with B the bits that W - 1 takes; B … 2 B - 1 show
- * the same inverted, so that a pixel is lit where it is brighter than in its inverse.
+ * "grayCode": the bits of g = x xor (x >> 1); neighbours differ in one bit. B is the number of bits
+ * of W - 1. Index 0 … B - 1 shows bit B - 1 - index, the coarsest first. Index B … 2 B - 1 shows
+ * the inverted patterns, so that a pixel is lit if it is brighter than in the inverse.
  *
  *     "pattern": {"type": "grayCode", "orientation": "horizontal", "resolution": [1280, 800]},
- * "index": 9
+ *     "index": 9
  *
  * Phase shifting: V. Srinivasan, H. C. Liu, M. Halioua, Applied Optics 23 (1984) 3105. Gray code:
  * S. Inokuchi, K. Sato, F. Matsuda, ICPR 1984.
@@ -34,7 +34,7 @@
     X(gray_code, "grayCode", GRAY_CODE)
 
 #define MCV_STRIPES_PARAMS(X) \
-    X(choice, orientation, 0, 0, 1, "how the stripes run") \
+    X(choice, orientation, 0, 0, 1, "direction of the stripes") \
     X(int2, resolution, MCV_REQUIRED, 1, 65536, "the projector's pixels in x and y")
 
 #define MCV_PHASE_SHIFT_PARAMS(X) \

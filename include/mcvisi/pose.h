@@ -1,15 +1,15 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * MCVISI_pose on a node: where it stands and looks, in the terms in which a rig is set up and
- * swept. It takes the place of translation, rotation, scale and matrix, and counts from the
- * document's root, whatever the node's parents.
+ * MCVISI_pose on a node: its place and direction, in the terms in which a rig is set up and swept.
+ * It replaces translation, rotation, scale and matrix. It is relative to the document's root, not
+ * to the node's parents.
  *
  *     {"target": "part", "distance": "110mm", "elevation": "30deg", "azimuth": "-45deg"}
  *
  * The node stands at target + distance (cos el sin az, sin el, cos el cos az) and looks at the
- * target along its -z: azimuth 0 is in front (+z) and turns towards +x, elevation 90° is above
- * (+y). Its x axis is level; at 90° it is the limit of lower elevations. Roll turns it about its
- * own z axis, right-handed. The target is a node (name or index) or a point.
+ * target along its -z. Azimuth 0 is in front (+z) and turns towards +x; elevation 90° is above
+ * (+y). The node's x axis is level; at 90° it is the limit of lower elevations. Roll turns the node
+ * about its own z axis, right-handed. The target is a node (name or index) or a point.
  */
 #ifndef MCVISI_POSE_H
 #define MCVISI_POSE_H

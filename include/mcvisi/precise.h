@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What the kernels need in double to meet smooth surfaces precisely (kernels/geometry/precise.h);
- * beside it they read the tables of floats. */
+/* What kernels need in double to intersect smooth surfaces precisely (kernels/geometry/precise.h).
+ * They read the float tables beside it. */
 #ifndef MCVISI_PRECISE_H
 #define MCVISI_PRECISE_H
 
 #include "mcvisi/surfaces/surfaces.h"
 
-/* As mcv_device_cap. */
+/* mcv_device_cap in double. */
 typedef struct mcv_precise_cap {
     double z;         /* of the vertex, in the solid's frame [m] */
     double curvature; /* c [1/m] */
@@ -16,7 +16,7 @@ typedef struct mcv_precise_cap {
 } mcv_precise_cap;
 MCV_ASSERT_SIZE(mcv_precise_cap, 96);
 
-/* As mcv_device_solid. */
+/* mcv_device_solid in double. */
 typedef struct mcv_precise_solid {
     double origin[3]; /* of the frame [m] */
     double axes[9];   /* x, y, z of the frame, unit */

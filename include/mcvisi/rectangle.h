@@ -1,19 +1,19 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * A rectangle as a receiver sees it: its solid angle, and places on it that are uniform in solid
- * angle (Ureña, Fajardo and King, An Area-Preserving Parametrization for Spherical Rectangles,
- * 2013). Beside a place uniform by area the density of the choice then holds neither 1/d² nor the
- * cosine there, which vary much over a lamp close by.
+ * A rectangle as a receiver sees it: its solid angle, and the choice of points on it uniformly in
+ * solid angle (Ureña, Fajardo and King, An Area-Preserving Parametrization for Spherical
+ * Rectangles, 2013). Unlike the density of a choice by area, this density contains neither 1/d² nor
+ * the cosine at the rectangle. Both vary much over an emitter close by.
  *
- * With the receiver as the origin, z its height above the rectangle's plane, and c(x) = x/√(x² +
- * z²), the part of [x, 0] x [y, 0] is A(x, y) = asin c(x) c(y) [sr], up to its sign. Let t(x) =
- * A(x, y1) - A(x, y0): the part below x is t(x) - t(x0). In the triangle of the sides c(y0), c(y1)
- * and the angle t between them the law of sines says
+ * The receiver is the origin, z its height above the rectangle's plane, and c(x) = x/√(x² + z²).
+ * The solid angle of [x, 0] x [y, 0] is A(x, y) = asin c(x) c(y) [sr], up to its sign. Let t(x) =
+ * A(x, y1) - A(x, y0): the solid angle below x is t(x) - t(x0). The law of sines in the triangle
+ * with the sides c(y0), c(y1) and the angle t between them says
  *
  *     c(x) = sin t/√(c(y1)² + c(y0)² - 2 c(y1) c(y0) cos t)
  *
- * Along y, at that x, solid angle is uniform in y/√(x² + y² + z²). Angles are pairs (cosine, sine),
- * whose sums lose no digits.
+ * Along y, at that x, solid angle is uniform in y/√(x² + y² + z²). Angles are stored as pairs
+ * (cosine, sine), whose sums lose no digits.
  */
 #ifndef MCVISI_RECTANGLE_H
 #define MCVISI_RECTANGLE_H
@@ -21,29 +21,29 @@
 #include "mcvisi/sampling.h"
 
 typedef struct mcv_rectangle {
-    float corner[3]; /* place (0, 0) [m] */
-    float width;     /* the shorter side: closer to even steps of t; 0: it is no rectangle */
+    float corner[3]; /* point (0, 0) [m] */
+    float width;     /* the shorter side, for which t is closer to linear; 0: not a rectangle */
     float x[3];      /* unit, along it */
     float height;
     float y[3];
     uint padding;
-    float to_triangle[2][6]; /* of its two triangles: a place (s, t), in sides, is a[0] + a[1] s +
-                                a[2] t in u, the other three in v */
+    float to_triangle[2][6]; /* for each of the two triangles: the point (s, t), in sides, has u =
+                                a[0] + a[1] s + a[2] t; the other three give v */
 } mcv_rectangle;
 MCV_ASSERT_SIZE(mcv_rectangle, 96);
 
 /*
- * Solid angles from here on are sampled as such. The sum of angles is good to 4 u, here 1e-5 of
- * itself; and seen as small as this, a quarter across, what varies over the rectangle is smooth
- * enough for area to be as good.
+ * Points are chosen by solid angle if the solid angle is at least this [sr]. The sum of angles has
+ * an error of 4 u, here 1e-5 of its value. A rectangle that appears smaller (a quarter of its
+ * distance across) varies so little that a choice by area is as good.
  */
 #define MCV_LEAST_SOLID_ANGLE 0.03f
 
 typedef struct mcv_rectangle_view {
-    float x0, x1, y0, y1, z; /* of its sides; z > 0: in front of it [m] */
+    float x0, x1, y0, y1, z; /* of its sides; z > 0: the receiver is in front of it [m] */
     float low, high;         /* c(y0), c(y1) */
     float cosine, sine;      /* of t(x0) */
-    float solid_angle;       /* [sr]; of no account unless z > 0 */
+    float solid_angle;       /* [sr]; valid only if z > 0 */
 } mcv_rectangle_view;
 
 /* The cosine and sine of t. */
@@ -51,7 +51,7 @@ typedef struct mcv_turn {
     float cosine, sine;
 } mcv_turn;
 
-/* c(x), and what is left of its square to 1. */
+/* c(x), and 1 - c(x)². */
 typedef struct mcv_slope {
     float c, rest;
 } mcv_slope;
@@ -64,7 +64,7 @@ MCV_LOOP_FUNCTION mcv_slope mcv_slope_of(float x, float z_squared) {
     return slope;
 }
 
-/* t at the side x between the sides low and high. */
+/* t at x, for y between `low` and `high`. */
 MCV_LOOP_FUNCTION mcv_turn mcv_turn_at(mcv_slope x, mcv_slope low, mcv_slope high) {
     mcv_turn t;
     const float squared = x.c * x.c;
@@ -75,7 +75,7 @@ MCV_LOOP_FUNCTION mcv_turn mcv_turn_at(mcv_slope x, mcv_slope low, mcv_slope hig
     return t;
 }
 
-/* `facing`: the unit normal on its front. */
+/* `facing` is the unit normal of the front. */
 MCV_LOOP_FUNCTION mcv_rectangle_view mcv_view_rectangle(MCV_GLOBAL const mcv_rectangle *r,
                                                         mcv_vec3 facing, mcv_vec3 receiver) {
     mcv_rectangle_view view;
@@ -100,7 +100,7 @@ MCV_LOOP_FUNCTION mcv_rectangle_view mcv_view_rectangle(MCV_GLOBAL const mcv_rec
     return view;
 }
 
-/* Whether a receiver chooses places by solid angle, not by area. */
+/* Whether a receiver chooses points by solid angle (else by area). */
 MCV_FUNCTION int mcv_samples_solid_angle(mcv_rectangle_view view) {
     return (view.z > 0.0f) & (view.solid_angle >= MCV_LEAST_SOLID_ANGLE);
 }
@@ -109,7 +109,7 @@ MCV_FUNCTION float mcv_clamp_share(float share) {
     return share > 0.0f ? share < 1.0f ? share : 1.0f : 0.0f;
 }
 
-/* The place (s, t), in the rectangle's sides, at the shares xi and eta of its solid angle. */
+/* The point (s, t), in units of the sides, at the shares xi and eta of the solid angle. */
 MCV_LOOP_FUNCTION void mcv_sample_rectangle(MCV_GLOBAL const mcv_rectangle *r,
                                             mcv_rectangle_view view, float xi, float eta, float *s,
                                             float *t) {

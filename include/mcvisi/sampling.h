@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Warps of the unit square that sensors, emitters and materials share. ξ, η lie in [0, 1). */
+/* Warps of the unit square that sensors, emitters and materials share. ξ and η lie in [0, 1). */
 #ifndef MCVISI_SAMPLING_H
 #define MCVISI_SAMPLING_H
 
@@ -7,16 +7,16 @@
 
 #define MCV_PI 3.14159265358979323846f
 
-/* The cell of `count` that holds x in [0, 1]; 1 itself belongs to the last. What rounding puts
- * outside belongs to the nearest. */
+/* The cell, of `count`, that contains x in [0, 1]; x = 1 belongs to the last one. Values that
+ * rounding puts outside belong to the nearest cell. */
 MCV_FUNCTION uint mcv_cell(float x, uint count) {
     const float at = x * (float)count;
     const uint i = at > 0.0f ? (uint)at : 0u;
     return i < count ? i : count - 1u;
 }
 
-/* sin and cos for |x| <= π/4: Taylor polynomials, absolute error below 8e-8 (no library function:
- * same bits everywhere). */
+/* sin and cos for |x| <= π/4 by Taylor polynomials; absolute error below 8e-8. Library functions
+ * would not return the same bits everywhere. */
 MCV_LOOP_FUNCTION float mcv_sin_octant(float x) {
     const float x2 = x * x;
     float p = mcv_fma(x2, 2.7557319e-6f, -1.9841270e-4f);
@@ -33,10 +33,10 @@ MCV_LOOP_FUNCTION float mcv_cos_octant(float x) {
     return mcv_fma(x2, p, 1.0f);
 }
 
-/* sin and cos of up to a turn or so, given in turns. */
+/* sin and cos of an angle in turns, up to about one turn. */
 MCV_LOOP_FUNCTION void mcv_sin_cos_turn(float turns, float *sine, float *cosine) {
     const float nearest = mcv_fma(4.0f, turns, 0.5f);
-    int quarters = (int)nearest; /* floor() would keep a loop from being vectorised */
+    int quarters = (int)nearest; /* floor() would prevent vectorisation */
     quarters -= (float)quarters > nearest;
     const float rest = 2.0f * MCV_PI * mcv_fma(-0.25f, (float)quarters, turns);
     const float s = mcv_sin_octant(rest);
@@ -49,9 +49,9 @@ MCV_LOOP_FUNCTION void mcv_sin_cos_turn(float turns, float *sine, float *cosine)
 }
 
 /*
- * The angle of (x, y) to the x axis in [-π, π], within 4e-7. Between the octants' thirds tan(a -
- * π/4) = (tan a - 1)/(tan a + 1); the polynomial interpolates (atan r/r - 1)/r² at Chebyshev's
- * nodes of r <= tan(π/8): 7e-8 of the angle.
+ * The angle of (x, y) from the x axis in [-π, π], within 4e-7. Near π/4 the argument is reduced by
+ * tan(a - π/4) = (tan a - 1)/(tan a + 1). The polynomial interpolates (atan r/r - 1)/r² at
+ * Chebyshev nodes of r <= tan(π/8), with an error of 7e-8 of the angle.
  */
 MCV_LOOP_FUNCTION float mcv_atan2(float y, float x) {
     const float across = mcv_abs(x);
@@ -74,8 +74,8 @@ MCV_LOOP_FUNCTION float mcv_atan2(float y, float x) {
 }
 
 /*
- * The unit square to the unit disk by area, neighbours staying neighbours (Shirley and Chiu 1997).
- * Writes cos and sin of the angle, returns the radius in [0, 1].
+ * Maps the unit square to the unit disk, preserving areas and neighbourhoods (Shirley and Chiu
+ * 1997). Writes cosine and sine of the angle and returns the radius in [0, 1].
  */
 MCV_LOOP_FUNCTION float mcv_disk(float xi, float eta, float *cosine, float *sine) {
     const float a = mcv_fma(2.0f, xi, -1.0f);
@@ -92,7 +92,7 @@ MCV_LOOP_FUNCTION float mcv_disk(float xi, float eta, float *cosine, float *sine
     return mcv_abs(radius);
 }
 
-/* A direction about +z with density cosθ/π. */
+/* A direction about +z with the density cosθ/π. */
 MCV_LOOP_FUNCTION mcv_vec3 mcv_sample_cosine(float xi, float eta) {
     float cosine, sine;
     const float r = mcv_disk(xi, eta, &cosine, &sine);
@@ -101,7 +101,8 @@ MCV_LOOP_FUNCTION mcv_vec3 mcv_sample_cosine(float xi, float eta) {
 
 /*
  * A direction about +z, uniform in the solid angle 4π sin²(β/2) of a cone of half-angle β; sin_half
- * = sin(β/2). Stable down to the smallest cones: a float32 cosine cannot tell 0.02° from 0.
+ * = sin(β/2). It is stable for the smallest cones, where a float32 cosine could not tell 0.02° from
+ * 0.
  */
 MCV_LOOP_FUNCTION mcv_vec3 mcv_sample_cone(float sin_half, float xi, float eta) {
     float cosine, sine;

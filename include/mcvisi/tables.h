@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The scene as the device sees it: float32, re-centred, in tables of 4-byte scalars.
- * host/device/pack.c fills them.
+ * The scene on the device: float32, re-centred, in tables of 4-byte scalars. host/device/pack.c
+ * fills them.
  */
 #ifndef MCVISI_TABLES_H
 #define MCVISI_TABLES_H
@@ -16,15 +16,16 @@
 #if !MCV_ON_DEVICE || MCV_WITH_RECTANGLE
 #include "mcvisi/rectangle.h"
 #endif
-#if !MCV_ON_DEVICE || MCV_WITH_SURFACES
-#include "mcvisi/surfaces/solid.h"
+#if !MCV_ON_DEVICE || MCV_WITH_AREA
+#include "mcvisi/surface_light.h"
 #endif
+#include "mcvisi/surfaces/solid.h"
 
-/* Media that can be told apart along one path. Medium 0 is the surrounding vacuum, bit i of a
- * path's set is medium i + 1. */
+/* The number of media that a path can distinguish. Medium 0 is the surrounding vacuum; bit i of a
+ * path's set stands for medium i + 1. */
 #define MCV_MAX_MEDIA 32
 
-/* A ball around smooth surfaces that lie close together. */
+/* A bounding ball of smooth surfaces that lie close together. */
 typedef struct mcv_ball {
     float centre[3], radius; /* [m] */
 } mcv_ball;
@@ -32,39 +33,38 @@ typedef struct mcv_ball {
 #define MCV_MAX_BALLS 16
 
 /*
- * One pass: which paths to begin. A set is the samples of one replicate r of one pixel q, set = q R
- * + r; path p of the pass is sample first_sample + (p mod 2^k) of the set first_set + floor(p /
- * 2^k).
+ * One pass: the paths to start. A set consists of the samples of one replicate r of one pixel q;
+ * set = q R + r. Path p of the pass is sample first_sample + (p mod 2^k) of the set first_set +
+ * floor(p / 2^k).
  */
 typedef struct mcv_frame {
     uint width, height; /* of the image [pixels] */
-    uint first_set;     /* pixels are numbered by 8 x 8 tiles */
+    uint first_set;     /* pixels are numbered by blocks of 8 x 8 */
     uint path_count;    /* of this pass */
     uint replicates;    /* R */
     uint log2_samples;  /* k: samples per replicate in this pass, as a power of two */
     uint first_sample;  /* of this pass, per replicate */
     uint seed;
-    uint depth;                    /* surfaces a path may meet */
-    uint emitter_count;            /* that next-event estimation chooses from */
+    uint depth;                    /* the largest number of surfaces on a path */
+    uint emitter_count;            /* emitters that next-event estimation chooses from */
     uint initial_media;            /* the set of media that surround the sensor */
-    float sensor_index_squared[3]; /* n² of the medium the sensor lies in, by channel */
+    float sensor_index_squared[3]; /* n² of the medium around the sensor, by channel */
     float to_world[12];            /* row-major; of the optical frame (z towards the scene) */
-    float environment[3];          /* its radiance, without an image */
-    /* Random numbers belong to pixels of the whole film, whatever region is read out: pixel (0, 0)
-     * of the image is that of the number … */
+    float environment[3];          /* radiance of an environment without image */
+    /* Random numbers belong to pixels of the whole film, whatever region is read out. The number of
+     * the image's pixel (0, 0) on the film … */
     uint first_pixel;
-    uint row_pitch;           /* and the next row's begins so many further */
-    uint environment_emitter; /* the environment with an image */
-    /* Light paths: */
-    uint light_cdf;    /* where in the table of cumulative shares those of the emitters begin from
+    uint row_pitch;           /* … and the difference between rows */
+    uint environment_emitter; /* index of the environment with an image */
+    uint light_cdf;    /* light paths: index of the first of the emitters' cumulative shares, from
                           which they start */
-    uint log2_pixels;  /* the pixels, numbered by tiles, fit into so many bits */
-    float splat_scale; /* units of the splats per pixel value: a power of two */
+    uint log2_pixels;  /* number of bits of a pixel's number (by blocks) */
+    float splat_scale; /* splat units per pixel value, a power of two */
     uint solid_count;
-    uint log2_thinning;      /* a light path starts for every 2^k-th pixel */
+    uint log2_thinning;      /* k: one light path starts for every 2^k-th pixel */
     float light_density;     /* π times the light paths per sample */
-    float to_world_rest[12]; /* what rounding leaves of to_world */
-    uint listed;             /* sets are of the pixels that a list gives, one after the other */
+    float to_world_rest[12]; /* to_world minus its rounding to float */
+    uint listed;             /* 1: the sets belong to the pixels of a list, in its order */
     uint ball_count;
     mcv_ball balls[MCV_MAX_BALLS]; /* around all smooth surfaces */
     uint triangle_count;
@@ -76,17 +76,17 @@ MCV_ASSERT_SIZE(mcv_frame, 512);
 typedef struct mcv_device_instance {
     uint material;
     uint emitter; /* or MCV_NONE */
-    uint medium;  /* index of the medium that its surface bounds, 0: none */
+    uint medium;  /* index of the medium inside its surface; 0: none */
     uint first_triangle;
     uint shading; /* MCV_SHADING_… */
 } mcv_device_instance;
 MCV_ASSERT_SIZE(mcv_device_instance, 20);
 
 /*
- * Surfaces that do not emit, without texture: diffuse ones, of microfacets that have no direction,
- * of smooth bodies, and what absorbs all light. Where there are few emitters, the lamp of one that
- * sends its full radiance or nothing, without an image, is MCV_SHADING_BLACK and its number and 1
- * more. And all others.
+ * Shading classes of surfaces that do not emit and have no texture: diffuse, isotropic microfacets,
+ * smooth bodies, absorbers. Scenes with few emitters have one more class: MCV_SHADING_BLACK plus 1
+ * plus the emitter's index is the surface of an emitter whose radiance depends on the angle alone.
+ * All other surfaces are one class.
  */
 enum {
     MCV_SHADING_ANY,
@@ -100,44 +100,40 @@ enum {
 typedef struct mcv_device_material {
     uint type;      /* MCV_MATERIAL_… */
     uint texture;   /* or MCV_NONE */
-    float value[3]; /* reflectance, transmittance, base colour; of a rough conductor what reflection
-                       from facet to facet leaves */
-    float eta;      /* sheet: 1/n */
-    float delta;    /* sheet: (n - 1)(n + 1)/n² */
-    uint scattering_sides; /* on how many sides light from one direction leaves in many, so that
-                              emitters are sampled from here; 0: smooth or black */
+    float value[3]; /* reflectance, transmittance or base colour; rough conductor: share left after
+                       reflection between microfacets */
+    uint scattering_sides; /* number of sides on which scattered light leaves; emitters are sampled
+                              from here. 0: smooth or black */
     float
         passed[3]; /* beam splitter, diffuse: transmittance; retroreflector: diffuse reflectance */
-    float chance;  /* beam splitter, diffuse: with which it reflects */
-    uint connectable;   /* 1: spreads light so evenly that light paths connect it to the lens; 0: a
-                           lens would seldom lie in its highlights */
-    uint near_specular; /* 1: spreads light so little that light paths go through it as if it were
-                           smooth */
-#if !MCV_ON_DEVICE || MCV_WITH_REFLECTOR
+    float chance;  /* beam splitter, diffuse: probability of reflection */
+    uint connectable; /* 1: scatters so widely that light paths connect it to the lens; 0: the lens
+                         would rarely lie in its highlights */
+    uint near_specular; /* 1: scatters so little that light paths continue as at a smooth surface */
     union {
 #define MCV_X(name, key, NAME) mcv_##name name;
-        MCV_REFLECTORS(MCV_X)
-#undef MCV_X
-        uint words[6]; /* the most that one has */
-    } as;
-#else
-    uint no_reflector[6]; /* the size stays */
+#if !MCV_ON_DEVICE || MCV_WITH_REFLECTOR
+        MCV_SCATTERERS(MCV_X)
 #endif
+        MCV_PLATES(MCV_X)
+#undef MCV_X
+        uint words[8]; /* the most that one has */
+    } as;
 } mcv_device_material;
 MCV_ASSERT_SIZE(mcv_device_material, 80);
 
-/* What a glossy material has beyond the others, under the same index; kernels/bsdf/microfacet.h. */
+/* What a glossy material has in addition, under the same index; kernels/bsdf/microfacet.h. */
 typedef struct mcv_device_gloss {
-    float roughness;    /* where no texture scales it */
-    float anisotropy;   /* α_t = α + (1 - α) anisotropy; 0: the surface has no direction */
+    float roughness;    /* if no texture scales it */
+    float anisotropy;   /* α_t = α + (1 - α) anisotropy; 0: isotropic */
     float direction[2]; /* cosine and sine of the angle from the tangent */
-    uint table; /* where its albedos begin, a block of means and rows per roughness; of a dielectric
-                   the interface has it */
+    uint table; /* where its albedos begin, a block of means and rows per roughness; a dielectric's
+                   are stored with the interface */
     uint azimuths;      /* rows of a block; 1: isotropic */
-    uint roughnesses;   /* blocks, from 0 to `roughness`; 1: for just that */
+    uint roughnesses;   /* blocks, from 0 to `roughness`; 1: only that roughness */
     uint texture;       /* of roughness (green) and metallic (blue), or MCV_NONE */
     float metallic;     /* metallic-roughness … */
-    float f0;           /* reflectance at normal incidence where it is no metal */
+    float f0;           /* reflectance at normal incidence of the non-metallic part */
     float transmission; /* share of the light below the layer that passes a thin wall */
     float diffuse_transmission;
     float n[3], k[3]; /* conductor: refractive index n - ik */
@@ -154,32 +150,32 @@ typedef struct mcv_device_medium {
 MCV_ASSERT_SIZE(mcv_device_medium, 16);
 
 typedef struct mcv_device_emitter {
-    uint type; /* MCV_EMITTER_…; a telecentric projector is a parallel emitter with a texture, all
-                  of MCV_POINT_LIGHTS are point lights */
-    uint instance; /* whose triangles emit, or MCV_NONE */
+    uint type; /* MCV_EMITTER_…; a telecentric projector is a parallel emitter with a texture; all
+                  MCV_POINT_LIGHTS are MCV_EMITTER_POINT, all MCV_SURFACE_LIGHTS MCV_EMITTER_AREA */
+    uint instance; /* instance whose triangles emit, or MCV_NONE */
     uint texture;  /* or MCV_NONE */
-    uint cdf; /* where its triangle_count + 1 entries begin in the table of cumulative shares, 2^31
-                 = 1; an environment's, of pixels: kernels/light/environment.h */
+    uint cdf; /* where its triangle_count + 1 cumulative shares begin, 2^31 = 1; of an environment
+                 those of its pixels, kernels/light/environment.h */
     uint triangle_count;
-    float probability; /* that next-event estimation chooses it */
-    float radiance[3]; /* or irradiance or intensity, by its type */
-    float middle[3];   /* of its box [m] */
+    float probability; /* probability that next-event estimation chooses it */
+    float radiance[3]; /* or irradiance or intensity, according to its type */
+    float middle[3];   /* centre of its box [m] */
     float area;        /* [m²] */
-    float light_flux;  /* of a light path, over the radiance (irradiance, intensity) and what it is
-                          aimed by; 0: none starts here */
+    float light_flux;  /* flux of a light path, over the radiance (irradiance, intensity) and the
+                          measure of its directions; 0: no light paths */
     uint media;        /* set of the media that surround it */
-    float light_aim;   /* about what that is [sr, m²]; 1: nothing */
-    float radius;      /* about the middle [m]; negative: the emitter is nowhere in particular */
-    float facing[3];   /* normal of a flat one, else 0 */
-    float narrowest; /* of its light, and how it widens with the distance: kernels/light/selection.h
+    float light_aim;   /* estimate of that measure [sr, m²]; 1: none */
+    float radius;      /* about the centre [m]; negative: the emitter has no place */
+    float facing[3];   /* normal of a flat emitter, else 0 */
+    float narrowest; /* width of its light and how it grows with distance: kernels/light/selection.h
                         [m²] */
     float widening;
-    float power; /* its share of all emitters' */
+    float power; /* its share of the power of all emitters */
     uint padding;
 #if !MCV_ON_DEVICE || MCV_WITH_PARALLEL
     mcv_parallel parallel;
 #else
-    uint no_parallel[8];  /* the size stays */
+    uint no_parallel[8]; /* keeps the size */
 #endif
 #if !MCV_ON_DEVICE || MCV_WITH_LIGHT_FIELD
     mcv_light_field_emitter light_field;
@@ -207,42 +203,47 @@ typedef struct mcv_device_emitter {
 #else
     uint no_punctual[16];
 #endif
+#if !MCV_ON_DEVICE || MCV_WITH_AREA
+    mcv_surface_light surface_light;
+#else
+    uint no_surface_light[4];
+#endif
 #if !MCV_ON_DEVICE || MCV_WITH_RECTANGLE
     mcv_rectangle rectangle;
 #else
     uint no_rectangle[24];
 #endif
 } mcv_device_emitter;
-MCV_ASSERT_SIZE(mcv_device_emitter, 480);
+MCV_ASSERT_SIZE(mcv_device_emitter, 496);
 
 typedef struct mcv_device_texture {
     uint width, height;
-    uint first; /* texel */
+    uint first; /* index of the first texel */
     uint wrap_s, wrap_t, nearest;
-    uint linear;         /* 1: a texel is three floats instead of one word of sRGB */
-    uint first_texcoord; /* of vertex 0 in the set of texture coordinates that the image lies by */
+    uint linear;         /* 1: a texel is three floats; 0: one sRGB word */
+    uint first_texcoord; /* of vertex 0, in the image's set of texture coordinates */
     float transform[6];  /* mcv_texture */
     uint padding[2];
 } mcv_device_texture;
 MCV_ASSERT_SIZE(mcv_device_texture, 64);
 
 /*
- * Where in the pupil, in its radii, a pixel's rays of sight meet a parallel emitter within its
- * cone, to first order: about centre + shift · (place in the pixel from its middle) in the ellipse
- * spread · (unit disk). Matrices row by row.
+ * Where in the pupil, in pupil radii, a pixel's rays meet a parallel emitter within its cone, to
+ * first order: centre + shift · (position in the pixel, from its middle) + the ellipse spread ·
+ * (unit disk). Matrices are stored row by row.
  */
 typedef struct mcv_device_pupil_guide {
     float centre[2];
     float shift[4];
     float spread[4];
-    float advantage; /* density of the points in the ellipse over that of the pupil's: 1/|det
-                        spread|; 0: the pixel does not aim */
+    float advantage; /* density of points in the ellipse over that in the pupil: 1/|det spread|; 0:
+                        the pixel is not guided */
     uint padding;
 } mcv_device_pupil_guide;
 MCV_ASSERT_SIZE(mcv_device_pupil_guide, 48);
 
-/* What a launch counts, per slice or in all, for the host to add up; lost energy in units of 2^-11
- * paths. */
+/* Counters of a launch, per slice or in all; the host adds them up. Lost energy is in units of
+ * 2^-11 paths. */
 #define MCV_COUNTERS(X) \
     X(paths) X(rays) X(shadow_rays) X(depth_cut) X(lost) X(nonfinite) X(unmatched) X(saturated)
 enum {
@@ -253,8 +254,8 @@ enum {
 };
 
 /*
- * A traced ray to follow, and a vertex of its path (host/render/render.h says more). A rest is what
- * rounding to float leaves of the number before it; only with MIXED it is not 0.
+ * A traced ray with a vertex of its path (host/render/render.h says more). A `rest` is the rounding
+ * error of the float before it; it is 0 without MIXED.
  */
 typedef struct mcv_device_ray {
     float origin[3], direction[3];
@@ -278,16 +279,16 @@ typedef struct mcv_device_vertex {
 } mcv_device_vertex;
 MCV_ASSERT_SIZE(mcv_device_vertex, 112);
 
-/* So many emitters may be weighed against each other anew at each surface; of more, power alone
- * decides. */
+/* Up to this many emitters, each surface weighs all of them. With more, they are chosen by power
+ * alone. */
 #define MCV_MOST_REACHING 16
 
-/* Samples that the device sums before the host goes on with the same binary tree. */
+/* Samples that the device sums; the host continues the same binary tree. */
 #define MCV_BLOCK 64
 
 /*
- * What each branch of the samples of a block may have at most, so that their sum is a float:
- * 2^128 / 8 / MCV_BLOCK / 2, with room for 8 branches (MCV_SPLIT_BRANCHES is 4). More counts as not
+ * The largest value of a branch of a sample: the sum of a block is then a float. It is 2^128 / 8 /
+ * MCV_BLOCK / 2, with room for 8 branches (MCV_SPLIT_BRANCHES is 4). Larger values count as not
  * finite.
  */
 #define MCV_LARGEST_VALUE 0x1p118f

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Three-vectors of float for device and host. Plain scalars: a float3 has four lanes and another
- * layout on the host. */
+/* Vectors of three floats for device and host. The members are scalars, because a float3 of OpenCL
+ * has four lanes and another layout than the host's. */
 #ifndef MCVISI_VECTOR_H
 #define MCVISI_VECTOR_H
 
@@ -28,7 +28,7 @@ MCV_FUNCTION mcv_vec3 mcv_sub(mcv_vec3 a, mcv_vec3 b) {
 
 MCV_FUNCTION mcv_vec3 mcv_scale(mcv_vec3 a, float s) { return mcv_vec(a.x * s, a.y * s, a.z * s); }
 
-/* a or b, by components: a branch would keep a loop from being vectorised. */
+/* a or b, by components; a branch would prevent vectorisation. */
 MCV_FUNCTION mcv_vec3 mcv_choose(int condition, mcv_vec3 a, mcv_vec3 b) {
     return mcv_vec(condition ? a.x : b.x, condition ? a.y : b.y, condition ? a.z : b.z);
 }
@@ -61,15 +61,16 @@ MCV_FUNCTION mcv_vec3 mcv_normalize(mcv_vec3 v) {
     return mcv_scale(v, squared > 0.0f ? 1.0f / mcv_sqrt(squared) : 1.0f);
 }
 
-/* A vector that is unit but for its rounding, made unit: without the bias that dividing by a length
- * near 1 has. */
+/* Normalises a vector whose length differs from 1 only by rounding, without the bias of a division
+ * by a length near 1. */
 MCV_FUNCTION mcv_vec3 mcv_renormalize(mcv_vec3 v) {
     return mcv_along(v, mcv_fma(-0.5f, mcv_dot(v, v), 0.5f), v);
 }
 
 /*
- * Two unit vectors that make a right-handed frame with the unit vector n: x cross y = n.
- * Continuous but at n.z = 0 (Duff et al., Building an Orthonormal Basis, Revisited, JCGT 2017).
+ * Two unit vectors x and y that form a right-handed frame with the unit vector n: x cross y = n.
+ * They are continuous except at n.z = 0 (Duff et al., Building an Orthonormal Basis, Revisited,
+ * JCGT 2017).
  */
 MCV_FUNCTION void mcv_basis(mcv_vec3 n, mcv_vec3 *x, mcv_vec3 *y) {
     const float sign = n.z < 0.0f ? -1.0f : 1.0f;

@@ -10,7 +10,6 @@
 #include "bsdf/sheet.h"
 #include "geometry/contact.h"
 
-#if MCV_WITH_NEXT_EVENT
 /* The direction is unit and leads away from the surface; light that cannot come from there has the
  * response 0. */
 MCV_FUNCTION mcv_response mcv_respond(mcv_world world, mcv_interaction interaction, uint media,
@@ -21,36 +20,28 @@ MCV_FUNCTION mcv_response mcv_respond(mcv_world world, mcv_interaction interacti
     response.value = mcv_grey(0.0f);
     response.density = 0.0f;
     response.media = media;
-    (void)direction, (void)type;
-#if MCV_WITH_TRANSLUCENT
-    if (type == MCV_MATERIAL_DIFFUSE)
+    if (MCV_WITH_TRANSLUCENT && type == MCV_MATERIAL_DIFFUSE)
         return mcv_respond_translucent(world, interaction, material, media, direction);
-#elif MCV_WITH_DIFFUSE
-    if (type == MCV_MATERIAL_DIFFUSE)
+    if (MCV_WITH_DIFFUSE && type == MCV_MATERIAL_DIFFUSE)
         return mcv_respond_diffuse(&interaction,
                                    mcv_material_value(world, interaction.surface, material), media,
                                    direction);
-#endif
-#if MCV_WITH_GLOSS
-    if (mcv_is_rough(world, &interaction, media)) {
+    if (MCV_WITH_GLOSS && mcv_is_rough(world, &interaction, media)) {
         mcv_gloss_interaction room;
         const mcv_gloss_interaction *m =
             mcv_known_gloss(world, &interaction, material, media, &room);
         return mcv_respond_gloss(world, &interaction, material, m, direction);
     }
-#endif
 #if MCV_WITH_REFLECTOR
 #define MCV_X(name, key, NAME) \
     if (type == MCV_MATERIAL_##NAME) \
         return mcv_respond_##name(world, interaction, material, media, direction);
-    MCV_REFLECTORS(MCV_X)
+    MCV_SCATTERERS(MCV_X)
 #undef MCV_X
 #endif
     return response;
 }
-#endif
 
-#if MCV_WITH_LIGHT_TRACING
 MCV_LOOP_FUNCTION int mcv_is_connectable(mcv_world world, mcv_interaction interaction) {
     return world.materials[world.instances[interaction.surface.instance].material].connectable;
 }
@@ -60,11 +51,12 @@ MCV_LOOP_FUNCTION int mcv_is_near_specular(mcv_world world, mcv_interaction inte
 }
 
 /* Does the surface pass light straight on, but for what it reflects? */
-MCV_LOOP_FUNCTION int mcv_is_sheet(mcv_world world, mcv_interaction interaction) {
+MCV_LOOP_FUNCTION int mcv_is_plate(mcv_world world, mcv_interaction interaction) {
     const uint type = world.materials[world.instances[interaction.surface.instance].material].type;
-    return type == MCV_MATERIAL_SHEET || type == MCV_MATERIAL_BEAM_SPLITTER;
+#define MCV_X(name, key, NAME) || type == MCV_MATERIAL_##NAME
+    return 0 MCV_PLATES(MCV_X);
+#undef MCV_X
 }
-#endif
 
 /*
  * Chooses how the path continues. *other: the other way of a smooth surface that has two and, if
@@ -75,63 +67,44 @@ MCV_FUNCTION mcv_scattering mcv_scatter(mcv_world world, mcv_interaction interac
                                         mcv_scattering *other) {
     const mcv_device_instance instance = world.instances[interaction.surface.instance];
     const mcv_device_material material = world.materials[instance.material];
+    const uint type = material.type;
     mcv_scattering scattering = mcv_scatter_into(interaction.direction, media, MCV_EVENT_END);
     scattering.factor = mcv_grey(0.0f);
     *other = scattering;
     other->chance = 0.0f;
-    (void)pair, (void)choice, (void)splits, (void)unmatched;
-#if MCV_WITH_GLOSS
-    if (mcv_is_rough(world, &interaction, media)) {
-#if MCV_WITH_DIELECTRIC
-        if (instance.medium != 0 && mcv_cross_surface(world, &interaction, media).before != media)
+    if (MCV_WITH_GLOSS && mcv_is_rough(world, &interaction, media)) {
+        if (MCV_WITH_DIELECTRIC && instance.medium != 0 &&
+            mcv_cross_surface(world, &interaction, media).before != media)
             *unmatched += 1u;
-#endif
         return mcv_scatter_gloss(world, interaction, instance.material, media, pair, choice, splits,
                                  other);
     }
-#endif
-    switch (material.type) {
-#if MCV_WITH_GLOSS
-    case MCV_MATERIAL_CONDUCTOR:
+    if (MCV_WITH_GLOSS && type == MCV_MATERIAL_CONDUCTOR)
         return mcv_scatter_conductor(world, interaction, instance.material, media);
-#endif
-#if MCV_WITH_DIELECTRIC
-    case MCV_MATERIAL_DIELECTRIC:
+    if (MCV_WITH_DIELECTRIC && type == MCV_MATERIAL_DIELECTRIC)
         return mcv_scatter_dielectric(world, interaction, media, pair.x, unmatched, other);
-#endif
 #if MCV_WITH_REFLECTOR
 #define MCV_X(name, key, NAME) \
-    case MCV_MATERIAL_##NAME: \
+    if (type == MCV_MATERIAL_##NAME) \
         return mcv_scatter_##name(world, interaction, instance.material, media, pair, choice);
-        MCV_REFLECTORS(MCV_X)
+    MCV_SCATTERERS(MCV_X)
 #undef MCV_X
 #endif
-#if MCV_WITH_TRANSLUCENT
-    case MCV_MATERIAL_DIFFUSE:
+    if (MCV_WITH_TRANSLUCENT && type == MCV_MATERIAL_DIFFUSE)
         return mcv_scatter_translucent(world, interaction, instance.material, media, pair, choice);
-#elif MCV_WITH_DIFFUSE
-    case MCV_MATERIAL_DIFFUSE:
-        return mcv_scatter_diffuse(
-            interaction, mcv_material_value(world, interaction.surface, instance.material), media,
-            pair);
-#endif
-#if MCV_WITH_SHEET
-    case MCV_MATERIAL_SHEET:
-        return mcv_scatter_sheet(world, interaction, material,
-                                 mcv_material_value(world, interaction.surface, instance.material),
-                                 media, pair.x, other);
-    case MCV_MATERIAL_BEAM_SPLITTER:
-        return mcv_scatter_beam_splitter(interaction, material, media, pair.x, other);
-#endif
-#if MCV_WITH_MIRROR
-    case MCV_MATERIAL_MIRROR:
+#define MCV_X(name, key, NAME) \
+    if (MCV_WITH_SHEET && type == MCV_MATERIAL_##NAME) \
+        return mcv_scatter_##name(world, interaction, instance.material, media, pair.x, other);
+    MCV_PLATES(MCV_X)
+#undef MCV_X
+    const mcv_color value = mcv_material_value(world, interaction.surface, instance.material);
+    if (MCV_WITH_DIFFUSE && type == MCV_MATERIAL_DIFFUSE)
+        return mcv_scatter_diffuse(interaction, value, media, pair);
+    if (MCV_WITH_MIRROR && type == MCV_MATERIAL_MIRROR) {
         scattering = mcv_scatter_mirrored(interaction, media);
-        scattering.factor = mcv_material_value(world, interaction.surface, instance.material);
-        return scattering;
-#endif
-    default:
-        return scattering; /* absorbed */
+        scattering.factor = value;
     }
+    return scattering; /* else absorbed */
 }
 
 #endif

@@ -7,15 +7,12 @@
 #include "bsdf/scattering.h"
 #include "path/media.h"
 
-#if MCV_WITH_DIELECTRIC
 /* The sets of media on the ray's side of a body's surface, where the path's is mended, and beyond
  * it. */
 typedef struct mcv_crossing {
     uint before, after;
     mcv_device_interface between;
-#if MCV_WITH_GLOSS
     uint albedos; /* of the interface, MCV_NONE: it is smooth */
-#endif
 } mcv_crossing;
 
 MCV_LOOP_FUNCTION mcv_crossing mcv_cross_surface(mcv_world world,
@@ -24,13 +21,10 @@ MCV_LOOP_FUNCTION mcv_crossing mcv_cross_surface(mcv_world world,
     const uint bit = 1u << (world.instances[interaction->surface.instance].medium - 1u);
     uint exited = interaction->inside ? bit : 0u,
          entered = interaction->inside ? 0u : bit; /* media of the bodies that the surface bounds */
-#if MCV_WITH_CONTACT
-    exited |= interaction->exited;
-    entered |= interaction->entered;
-#endif
-#if MCV_WITH_SURFACES
+    exited |= MCV_WITH_CONTACT ? interaction->exited : 0u;
+    entered |= MCV_WITH_CONTACT ? interaction->entered : 0u;
     /* The body in contact, on the other side. */
-    if (interaction->surface.triangle >= MCV_EXACT && interaction->surface.u > 0.0f) {
+    if (mcv_is_exact(interaction->surface.triangle) && interaction->surface.u > 0.0f) {
         const uint other =
             1u << (world.instances[world.solids[(uint)interaction->surface.u - 1u].instance[0]]
                        .medium -
@@ -38,7 +32,6 @@ MCV_LOOP_FUNCTION mcv_crossing mcv_cross_surface(mcv_world world,
         exited |= interaction->inside ? 0u : other;
         entered |= interaction->inside ? other : 0u;
     }
-#endif
     crossing.before = (media | exited) & ~entered;
     crossing.after = crossing.before ^ (exited | entered);
     const uint at = mcv_filling_medium(crossing.before) * (MCV_MAX_MEDIA + 1u) +
@@ -49,9 +42,7 @@ MCV_LOOP_FUNCTION mcv_crossing mcv_cross_surface(mcv_world world,
     crossing.between.delta = between->delta;
     crossing.between.scale = between->scale;
     crossing.between.offset = between->offset;
-#if MCV_WITH_GLOSS
-    crossing.albedos = world.interface_albedos[at];
-#endif
+    crossing.albedos = MCV_WITH_GLOSS ? world.interface_albedos[at] : MCV_NONE;
     return crossing;
 }
 
@@ -90,6 +81,5 @@ MCV_LOOP_FUNCTION mcv_scattering mcv_scatter_dielectric(mcv_world world,
     refracted.chance = 1.0f - reflectance;
     return mcv_choose_way(reflected, refracted, total | (xi < reflectance), other);
 }
-#endif
 
 #endif

@@ -4,13 +4,11 @@
 #define MCVISI_KERNELS_GLOSS_H
 
 #include "bsdf/dielectric.h"
-#include "bsdf/scattering.h"
-#include "path/sampler.h"
-#if MCV_WITH_GLOSS
 #include "bsdf/microfacet.h"
-#endif
+#include "bsdf/scattering.h"
+#include "path/camera_path.h"
+#include "path/sampler.h"
 
-#if MCV_WITH_GLOSS
 /* A glossy surface as a ray meets it. */
 typedef struct mcv_gloss_interaction {
     mcv_gloss gloss;
@@ -25,16 +23,12 @@ MCV_FUNCTION mcv_vec3 mcv_gloss_local(const mcv_gloss_interaction *m, mcv_vec3 v
 }
 
 /* Whether the material is one of microfacets: a smooth metal is not. */
-static int mcv_is_rough(mcv_world world, const mcv_interaction *interaction, uint media) {
+MCV_FUNCTION int mcv_is_rough(mcv_world world, const mcv_interaction *interaction, uint media) {
     const mcv_device_instance instance = world.instances[interaction->surface.instance];
     const uint type = world.materials[instance.material].type;
     if (!world.materials[instance.material].scattering_sides) return 0;
-#if MCV_WITH_DIELECTRIC
-    if (type == MCV_MATERIAL_DIELECTRIC)
+    if (MCV_WITH_DIELECTRIC && type == MCV_MATERIAL_DIELECTRIC)
         return mcv_cross_surface(world, interaction, media).albedos != MCV_NONE;
-#else
-    (void)media;
-#endif
     return type == MCV_MATERIAL_METALLIC_ROUGHNESS || type == MCV_MATERIAL_CONDUCTOR;
 }
 
@@ -58,8 +52,7 @@ MCV_LOOP_FUNCTION mcv_gloss_interaction mcv_make_gloss_interaction_of(
     m.gloss.between.delta = 0.0f;
     m.gloss.alpha.x = mcv_fma(1.0f - alpha, from->anisotropy, alpha);
     m.gloss.alpha.y = alpha;
-#if MCV_WITH_DIELECTRIC
-    if (m.gloss.type == MCV_MATERIAL_DIELECTRIC) {
+    if (MCV_WITH_DIELECTRIC && m.gloss.type == MCV_MATERIAL_DIELECTRIC) {
         const mcv_crossing crossing = mcv_cross_surface(world, interaction, media);
         m.near_media = crossing.before;
         m.far_media = crossing.after;
@@ -67,11 +60,10 @@ MCV_LOOP_FUNCTION mcv_gloss_interaction mcv_make_gloss_interaction_of(
         /* A body has none of its own, MCV_NONE. With a choice between two places in memory the loop
          * over paths would not be vectorised. */
         m.gloss.table &= crossing.albedos;
-    } else {
+    } else if (MCV_WITH_DIELECTRIC) {
         m.gloss.between.eta =
             mcv_sqrt(world.media[mcv_filling_medium(media)].inverse_index_squared);
     }
-#endif
 
     m.z = interaction->normal;
     mcv_basis(m.z, &m.x, &m.y);
@@ -86,19 +78,17 @@ MCV_LOOP_FUNCTION mcv_gloss_interaction mcv_make_gloss_interaction_of(
     return m;
 }
 
-static mcv_gloss_interaction mcv_make_gloss_interaction(mcv_world world,
-                                                        const mcv_interaction *interaction,
-                                                        uint material, uint media) {
+MCV_FUNCTION mcv_gloss_interaction mcv_make_gloss_interaction(mcv_world world,
+                                                              const mcv_interaction *interaction,
+                                                              uint material, uint media) {
     const mcv_device_gloss from = world.gloss[material];
     float scale = 1.0f, metallic = 1.0f;
-#if MCV_WITH_TEXTURE
-    if (from.texture != MCV_NONE) {
+    if (MCV_WITH_TEXTURE && from.texture != MCV_NONE) {
         const float s = mcv_image_place(world, interaction->surface, from.texture, 0);
         const float t = mcv_image_place(world, interaction->surface, from.texture, 1);
         scale = mcv_texture_value(world, from.texture, s, t, 1);
         metallic = mcv_texture_value(world, from.texture, s, t, 2);
     }
-#endif
     return mcv_make_gloss_interaction_of(world, interaction, &from, world.materials[material].type,
                                          mcv_material_value(world, interaction->surface, material),
                                          scale, metallic, media);
@@ -109,13 +99,11 @@ MCV_FUNCTION const mcv_gloss_interaction *mcv_known_gloss(mcv_world world,
                                                           const mcv_interaction *interaction,
                                                           uint material, uint media,
                                                           mcv_gloss_interaction *room) {
-#if MCV_TILE
-    if (interaction->gloss) {
+    if (MCV_TILE && interaction->gloss) {
         if (*interaction->gloss_known) return interaction->gloss;
         *interaction->gloss_known = 1u;
         room = interaction->gloss;
     }
-#endif
     *room = mcv_make_gloss_interaction(world, interaction, material, media);
     return room;
 }
@@ -138,7 +126,7 @@ MCV_LOOP_FUNCTION mcv_response mcv_respond_gloss_of(mcv_world world,
     return response;
 }
 
-static __attribute__((noinline)) mcv_response
+static inline __attribute__((noinline)) mcv_response
 mcv_respond_gloss(mcv_world world, const mcv_interaction *interaction, uint material,
                   const mcv_gloss_interaction *m, mcv_vec3 direction) {
     const mcv_device_gloss from = world.gloss[material];
@@ -190,9 +178,9 @@ MCV_LOOP_FUNCTION mcv_scattering mcv_split_by_gloss(mcv_world world,
     return on;
 }
 
-static mcv_scattering mcv_scatter_gloss(mcv_world world, mcv_interaction interaction, uint material,
-                                        uint media, mcv_pair pair, float choice, int parts,
-                                        mcv_scattering *other) {
+MCV_FUNCTION mcv_scattering mcv_scatter_gloss(mcv_world world, mcv_interaction interaction,
+                                              uint material, uint media, mcv_pair pair,
+                                              float choice, int parts, mcv_scattering *other) {
     mcv_gloss_interaction room;
     const mcv_device_gloss from = world.gloss[material];
     const mcv_gloss_interaction *m = mcv_known_gloss(world, &interaction, material, media, &room);
@@ -203,20 +191,18 @@ static mcv_scattering mcv_scatter_gloss(mcv_world world, mcv_interaction interac
 }
 
 /* A smooth metal. */
-static mcv_scattering mcv_scatter_conductor(mcv_world world, mcv_interaction interaction,
-                                            uint material, uint media) {
+MCV_FUNCTION mcv_scattering mcv_scatter_conductor(mcv_world world, mcv_interaction interaction,
+                                                  uint material, uint media) {
     mcv_scattering scattering = mcv_scatter_mirrored(interaction, media);
     __global const mcv_device_gloss *from = world.gloss + material;
-    float scale = 1.0f;
-#if MCV_WITH_DIELECTRIC
-    scale = mcv_sqrt(world.media[mcv_filling_medium(media)].inverse_index_squared);
-#endif
+    const float scale = MCV_WITH_DIELECTRIC
+                            ? mcv_sqrt(world.media[mcv_filling_medium(media)].inverse_index_squared)
+                            : 1.0f;
     const float cosine = -mcv_dot(interaction.direction, interaction.normal);
     MCV_EACH_CHANNEL(i)
     scattering.factor.c[i] = mcv_conductor_fresnel(from->n[i] * scale, from->k[i] * scale,
                                                    cosine < 1.0f ? cosine : 1.0f);
     return scattering;
 }
-#endif
 
 #endif

@@ -36,7 +36,6 @@ MCV_LOOP_FUNCTION mcv_scattering mcv_scatter_into(mcv_vec3 direction, uint media
     return scattering;
 }
 
-#if MCV_WITH_DIELECTRIC || MCV_WITH_SHEET
 /* a or b, word by word as in mcv_choose. */
 MCV_LOOP_FUNCTION mcv_scattering mcv_choose_scattering(int condition, mcv_scattering a,
                                                        mcv_scattering b) {
@@ -56,9 +55,7 @@ MCV_LOOP_FUNCTION mcv_scattering mcv_choose_way(mcv_scattering reflected, mcv_sc
     *other = mcv_choose_scattering(reflects, passed, reflected);
     return mcv_choose_scattering(reflects, reflected, passed);
 }
-#endif
 
-#if MCV_WITH_DIELECTRIC || MCV_WITH_SHEET || MCV_WITH_MIRROR || MCV_WITH_GLOSS
 MCV_LOOP_FUNCTION mcv_vec3 mcv_reflected(mcv_interaction interaction) {
     const mcv_vec3 d = mcv_reflect(interaction.direction, interaction.normal);
     return mcv_choose(mcv_dot(d, interaction.face) > 0.0f, d,
@@ -69,6 +66,5 @@ MCV_LOOP_FUNCTION mcv_vec3 mcv_reflected(mcv_interaction interaction) {
 MCV_LOOP_FUNCTION mcv_scattering mcv_scatter_mirrored(mcv_interaction interaction, uint media) {
     return mcv_scatter_into(mcv_reflected(interaction), media, MCV_EVENT_REFLECT);
 }
-#endif
 
 #endif

@@ -13,22 +13,20 @@
 /* Whether the tile schedule sets paths on surfaces of these kinds side by side: diffuse or glossy
  * ones, smooth bodies. */
 #define MCV_WITH_PLAIN \
-    (MCV_WITH_DIFFUSE && MCV_LEAVES_TOGETHER && !MCV_WITH_TRANSLUCENT && !MCV_WITH_DISPERSION)
-#define MCV_WITH_SMOOTH (MCV_WITH_DIELECTRIC && MCV_LEAVES_TOGETHER && !MCV_WITH_DISPERSION)
+    (MCV_WITH_DIFFUSE && MCV_OFFSETS_TOGETHER && !MCV_WITH_TRANSLUCENT && !MCV_WITH_DISPERSION)
+#define MCV_WITH_SMOOTH (MCV_WITH_DIELECTRIC && MCV_OFFSETS_TOGETHER && !MCV_WITH_DISPERSION)
 
 /* What becomes of a path at a surface. MCV_UNSHADED: nothing yet, it is left to mcv_shade_surface.
  */
 enum { MCV_CONTINUES = 1, MCV_SPLITS = 2, MCV_UNSHADED = 4 };
 
 typedef struct mcv_shading {
-    uint kind;     /* MCV_SHADING_… (mcvisi/tables.h), not MCV_SHADING_BLACK */
-    int exact;     /* 0: the surface is a triangle */
-    int splits;    /* it reflects and passes light: a path may split there */
-    uint type;     /* of a glossy surface: MCV_MATERIAL_… */
-    uint material; /* of a glossy surface: one for all paths */
-#if MCV_WITH_GLOSS
+    uint kind;                     /* MCV_SHADING_… (mcvisi/tables.h), not MCV_SHADING_BLACK */
+    int exact;                     /* 0: the surface is a triangle */
+    int splits;                    /* it reflects and passes light: a path may split there */
+    uint type;                     /* of a glossy surface: MCV_MATERIAL_… */
+    uint material;                 /* of a glossy surface: one for all paths */
     const mcv_device_gloss *gloss; /* of a glossy surface: what is known of it beforehand */
-#endif
 } mcv_shading;
 
 MCV_LOOP_FUNCTION mcv_shading mcv_shading_of(uint kind, int exact, int splits) {
@@ -38,9 +36,7 @@ MCV_LOOP_FUNCTION mcv_shading mcv_shading_of(uint kind, int exact, int splits) {
     shading.splits = splits;
     shading.type = MCV_NONE;
     shading.material = MCV_NONE;
-#if MCV_WITH_GLOSS
     shading.gloss = 0;
-#endif
     return shading;
 }
 
@@ -48,7 +44,6 @@ MCV_LOOP_FUNCTION mcv_shading mcv_any_shading(void) {
     return mcv_shading_of(MCV_SHADING_ANY, 1, 1);
 }
 
-#if MCV_WITH_PLAIN && MCV_WITH_GLOSS
 /* Of a plain glossy material; `from` is what mcv_plain_gloss says of it. */
 MCV_LOOP_FUNCTION mcv_shading mcv_glossy_shading(mcv_world world, uint material,
                                                  const mcv_device_gloss *from) {
@@ -67,7 +62,7 @@ MCV_LOOP_FUNCTION mcv_shading mcv_shading_as(mcv_shading shading, uint type) {
 }
 
 /* What is known of a plain glossy material beforehand: it has no direction and no texture. */
-static mcv_device_gloss mcv_plain_gloss(mcv_world world, uint material) {
+MCV_FUNCTION mcv_device_gloss mcv_plain_gloss(mcv_world world, uint material) {
     mcv_device_gloss from = world.gloss[material];
     from.azimuths = from.roughnesses = 1u;
     from.anisotropy = 0.0f;
@@ -81,7 +76,6 @@ MCV_LOOP_FUNCTION mcv_gloss_interaction mcv_make_plain_gloss_interaction(
     return mcv_make_gloss_interaction_of(world, interaction, shading.gloss, shading.type, base,
                                          1.0f, 1.0f, media);
 }
-#endif
 
 /*
  * mcv_scatter for a surface of a known kind. *unshaded is 1 where a glossy surface turns out to be
@@ -93,21 +87,15 @@ MCV_LOOP_FUNCTION mcv_scattering mcv_scatter_as(mcv_world world, mcv_slot slot,
                                                 int parts, uint *unmatched, mcv_scattering *other,
                                                 int *unshaded) {
     const uint media = mcv_path_media(slot);
-    (void)unshaded, (void)shading;
-#if MCV_WITH_PLAIN
-    if (shading.kind == MCV_SHADING_DIFFUSE) {
+    if (MCV_WITH_PLAIN && shading.kind == MCV_SHADING_DIFFUSE) {
         mcv_color reflectance;
         MCV_LOAD_COLOR(slot, reflectance, reflectance);
         other->chance = 0.0f;
         return mcv_scatter_diffuse(*interaction, reflectance, media, pair);
     }
-#endif
-#if MCV_WITH_SMOOTH
-    if (shading.kind == MCV_SHADING_SMOOTH)
+    if (MCV_WITH_SMOOTH && shading.kind == MCV_SHADING_SMOOTH)
         return mcv_scatter_dielectric(world, *interaction, media, pair.x, unmatched, other);
-#endif
-#if MCV_WITH_PLAIN && MCV_WITH_GLOSS
-    if (shading.kind == MCV_SHADING_GLOSS) {
+    if (MCV_WITH_PLAIN && MCV_WITH_GLOSS && shading.kind == MCV_SHADING_GLOSS) {
         mcv_scattering on;
         const mcv_gloss_interaction m =
             mcv_make_plain_gloss_interaction(world, interaction, shading, media);
@@ -123,7 +111,6 @@ MCV_LOOP_FUNCTION mcv_scattering mcv_scatter_as(mcv_world world, mcv_slot slot,
         }
         return on;
     }
-#endif
     return mcv_scatter(world, *interaction, media, pair, choice, parts, unmatched, other);
 }
 

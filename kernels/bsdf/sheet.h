@@ -4,49 +4,52 @@
 #define MCVISI_KERNELS_SHEET_H
 
 #include "bsdf/scattering.h"
+#include "mcvisi/materials/sheet.h"
 #include "path/media.h"
 
-#if MCV_WITH_SHEET
-static mcv_scattering mcv_scatter_sheet(mcv_world world, mcv_interaction interaction,
-                                        mcv_device_material material, mcv_color transmittance,
-                                        uint media, float xi, mcv_scattering *other) {
-    mcv_scattering reflected = mcv_scatter_mirrored(interaction, media);
-    mcv_scattering passed = mcv_scatter_into(interaction.direction, media, MCV_EVENT_PASS);
+/* From the medium that a path is in into a plate, by its η and δ in vacuum. */
+MCV_FUNCTION mcv_device_interface mcv_plate_interface(mcv_world world, float eta, float delta,
+                                                      uint media) {
     mcv_device_interface into;
-    into.eta = material.eta;
-    into.delta = material.delta;
-#if MCV_WITH_DIELECTRIC
-    /* The table holds it in vacuum. */
-    if (media != 0) {
-        const float squared = material.eta * material.eta /
-                              world.media[mcv_filling_medium(media)].inverse_index_squared;
+    into.eta = eta;
+    into.delta = delta;
+    if (MCV_WITH_DIELECTRIC && media != 0) {
+        const float squared =
+            eta * eta / world.media[mcv_filling_medium(media)].inverse_index_squared;
         into.eta = mcv_sqrt(squared);
         into.delta = 1.0f - squared;
     }
-#else
-    (void)world;
-#endif
+    return into;
+}
+
+MCV_FUNCTION mcv_scattering mcv_scatter_sheet(mcv_world world, mcv_interaction interaction,
+                                              uint material, uint media, float xi,
+                                              mcv_scattering *other) {
+    const mcv_sheet sheet = world.materials[material].as.sheet;
+    mcv_scattering reflected = mcv_scatter_mirrored(interaction, media);
+    mcv_scattering passed = mcv_scatter_into(interaction.direction, media, MCV_EVENT_PASS);
+    const mcv_device_interface into = mcv_plate_interface(world, sheet.eta, sheet.delta, media);
     const float c1 = -mcv_dot(interaction.direction, interaction.normal);
     const float cosine = c1 < 1.0f ? c1 : 1.0f;
     reflected.chance = mcv_sheet_reflectance(into, cosine);
     passed.chance = 1.0f - reflected.chance;
-    passed.factor = transmittance;
+    passed.factor = mcv_material_value(world, interaction.surface, material);
     return mcv_choose_way(reflected, passed, xi < reflected.chance, other);
 }
 
-static mcv_scattering mcv_scatter_beam_splitter(mcv_interaction interaction,
-                                                mcv_device_material material, uint media, float xi,
-                                                mcv_scattering *other) {
+MCV_FUNCTION mcv_scattering mcv_scatter_beam_splitter(mcv_world world, mcv_interaction interaction,
+                                                      uint material, uint media, float xi,
+                                                      mcv_scattering *other) {
+    __global const mcv_device_material *m = world.materials + material;
     mcv_scattering reflected = mcv_scatter_mirrored(interaction, media);
     mcv_scattering passed = mcv_scatter_into(interaction.direction, media, MCV_EVENT_PASS);
-    reflected.chance = material.chance;
-    passed.chance = 1.0f - material.chance;
+    reflected.chance = m->chance;
+    passed.chance = 1.0f - m->chance;
     MCV_EACH_CHANNEL(i) {
-        reflected.factor.c[i] = material.value[i] / reflected.chance;
-        passed.factor.c[i] = material.passed[i] / passed.chance;
+        reflected.factor.c[i] = m->value[i] / reflected.chance;
+        passed.factor.c[i] = m->passed[i] / passed.chance;
     }
     return mcv_choose_way(reflected, passed, xi < reflected.chance, other);
 }
-#endif
 
 #endif

@@ -23,7 +23,6 @@
 
 #include "geometry/spans.h"
 
-#if MCV_WITH_SURFACES
 /* `within`: a place inside of the side; `on`: the ray starts on the cap; `up`: and goes above it. z
  * counts from the vertex. */
 MCV_LOOP_FUNCTION mcv_span mcv_conic_above(__global const mcv_device_cap *cap, mcv_vec3 p,
@@ -133,6 +132,5 @@ MCV_FUNCTION mcv_span mcv_asphere_above(__global const mcv_device_cap *cap, floa
     if (found == 0) return above ? mcv_everywhere() : mcv_nowhere();
     return above ? mcv_span_of(crossing[1], crossing[0]) : mcv_span_of(crossing[0], crossing[1]);
 }
-#endif
 
 #endif

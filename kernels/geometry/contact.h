@@ -12,7 +12,6 @@ MCV_FUNCTION mcv_vec3 mcv_larger(mcv_vec3 a, mcv_vec3 b) {
     return mcv_vec(fmax(a.x, b.x), fmax(a.y, b.y), fmax(a.z, b.z));
 }
 
-#if MCV_WITH_SURFACES
 /* Where a ray meets an exact surface, and where it would meet a mesh's in the same place: both
  * round, and the corners have been rounded. */
 MCV_FUNCTION float mcv_exact_rounding(mcv_vec3 at, float size) {
@@ -24,7 +23,7 @@ MCV_FUNCTION float mcv_exact_rounding(mcv_vec3 at, float size) {
  * is no farther away than places are rounded. The next ray starts twice as far off, or knows that
  * it starts on that surface.
  */
-static void mcv_find_exact_contacts(mcv_world world, uint own, mcv_interaction *interaction) {
+MCV_FUNCTION void mcv_find_exact_contacts(mcv_world world, uint own, mcv_interaction *interaction) {
     const uint met = interaction->surface.triangle;
     const uint group = met >= MCV_EXACT ? world.solids[mcv_solid_of(met)].group : MCV_NONE;
     const mcv_vec3 at = interaction->surface.point;
@@ -63,7 +62,6 @@ static void mcv_find_exact_contacts(mcv_world world, uint own, mcv_interaction *
         }
     }
 }
-#endif
 
 /*
  * Surfaces of dielectric bodies in the same place as the one that the ray has met: so close behind
@@ -75,19 +73,15 @@ static void mcv_find_contacts(mcv_world world, mcv_vec3 origin, mcv_hit hit,
     interaction->exited = interaction->entered = 0u;
     interaction->touched = MCV_NONE;
     const uint own = world.instances[interaction->surface.instance].medium;
-#if MCV_WITH_SURFACES
-    if (own != 0u) mcv_find_exact_contacts(world, own, interaction);
-#endif
+    if (MCV_WITH_SURFACES && own != 0u) mcv_find_exact_contacts(world, own, interaction);
     interaction->beyond_point = interaction->surface.point;
     interaction->beyond_error = interaction->surface.error;
     if (own == 0u) return;
     uint crossed = 1u << (own - 1u) | interaction->exited | interaction->entered;
     mcv_vec3 e = interaction->surface.error;
-#if MCV_WITH_SURFACES
     const float rounding =
-        hit.triangle >= MCV_EXACT ? mcv_exact_rounding(interaction->surface.point, 0.0f) : 0.0f;
-    e = mcv_larger(e, mcv_vec(rounding, rounding, rounding));
-#endif
+        mcv_is_exact(hit.triangle) ? mcv_exact_rounding(interaction->surface.point, 0.0f) : 0.0f;
+    if (MCV_WITH_SURFACES) e = mcv_larger(e, mcv_vec(rounding, rounding, rounding));
     for (int i = 0; i < (int)MCV_MAX_MEDIA; ++i) {
         const mcv_vec3 f = interaction->face;
         const float reach = mcv_abs(f.x) * e.x + mcv_abs(f.y) * e.y + mcv_abs(f.z) * e.z;
@@ -112,12 +106,11 @@ static void mcv_find_contacts(mcv_world world, mcv_vec3 origin, mcv_hit hit,
         }
         crossed ^= bit;
         e = mcv_larger(e, next.error);
-#if MCV_WITH_SURFACES
-        interaction->surface.error =
-            mcv_larger(interaction->surface.error, mcv_scale(e, rounding > 0.0f ? 2.0f : 0.0f));
-#else
-        e = next.error;
-#endif
+        if (MCV_WITH_SURFACES)
+            interaction->surface.error =
+                mcv_larger(interaction->surface.error, mcv_scale(e, rounding > 0.0f ? 2.0f : 0.0f));
+        else
+            e = next.error;
         interaction->beyond_point = next.point;
         interaction->beyond_error = e;
     }

@@ -4,28 +4,23 @@
 #define MCVISI_KERNELS_INTERACTION_H
 
 #include "path/camera_path.h"
+#include "path/dispersion.h"
 #include "bsdf/bsdf.h"
 
-#if MCV_WITH_DISPERSION
-/* Keeps one channel at a dielectric; the world as the path's light meets it. */
+/* mcv_disperse_at for a camera path, wherever it is; without dispersion the world as it is. */
 MCV_FUNCTION mcv_world mcv_disperse(mcv_world world, mcv_slot slot) {
+#if MCV_WITH_DISPERSION
     const uint triangle = MCV_WORD(slot, hit, 3);
-    mcv_color throughput;
-    MCV_LOAD_COLOR(slot, throughput, throughput);
-    if (triangle != MCV_NONE &&
-        world.materials[world.instances[mcv_instance_of(world, triangle)].material].type ==
-            MCV_MATERIAL_DIELECTRIC) {
-        const float xi =
-            mcv_sample_pair(MCV_WORD(slot, stream, 0), MCV_WORD(slot, sample, 0), MCV_PAIR_CHANNEL)
-                .x;
-        float chance;
-        const uint channel = mcv_choose_channel(throughput, xi, &chance);
-        throughput = mcv_keep_channel(throughput, channel, chance);
-        MCV_STORE_COLOR(slot, throughput, throughput);
-    }
-    return mcv_in_channel(world, mcv_kept_channel(throughput));
-}
+    mcv_color throughput = mcv_path_throughput(slot);
+    if (triangle == MCV_NONE) return mcv_in_channel(world, mcv_kept_channel(throughput));
+    world = mcv_disperse_at(world, mcv_instance_of(world, triangle), MCV_WORD(slot, stream, 0),
+                            MCV_WORD(slot, sample, 0), throughput, &throughput);
+    MCV_STORE_COLOR(slot, throughput, throughput);
+#else
+    (void)slot;
 #endif
+    return world;
+}
 
 #if MCV_TILE
 MCV_LOOP_FUNCTION void mcv_put_surface(mcv_slot slot, mcv_surface surface) {
@@ -34,15 +29,11 @@ MCV_LOOP_FUNCTION void mcv_put_surface(mcv_slot slot, mcv_surface surface) {
     MCV_STORE_3(slot, error, surface.error);
     MCV_STORE(slot, area, 0, surface.area);
     MCV_WORD(slot, instance, 0) = surface.instance;
-#if MCV_WITH_NORMALS
-    MCV_STORE_3(slot, own_normal, surface.normal);
-#endif
+    if (MCV_WITH_NORMALS) MCV_STORE_3(slot, own_normal, surface.normal);
     MCV_WORD(slot, inside, 0) = interaction.inside;
     MCV_STORE_3(slot, face, interaction.face);
     MCV_STORE_3(slot, normal, interaction.normal);
-#if MCV_WITH_GLOSS
-    MCV_WORD(slot, gloss_known, 0) = 0u;
-#endif
+    if (MCV_WITH_GLOSS) MCV_WORD(slot, gloss_known, 0) = 0u;
 }
 
 /* Works out the surface of a triangle; where nothing was met, of some other one. */
@@ -52,13 +43,11 @@ MCV_LOOP_FUNCTION void mcv_find_triangle(mcv_world world, mcv_slot slot) {
                                          MCV_LOAD(slot, hit, 2)));
 }
 
-#if MCV_WITH_SURFACES
 MCV_LOOP_FUNCTION void mcv_find_exact(mcv_world world, mcv_slot slot, uint met, int quadric) {
     mcv_put_surface(
         slot, mcv_exact_surface_on(world, met, MCV_LOAD(slot, hit, 1), MCV_LOAD_3(slot, origin),
                                    MCV_LOAD_3(slot, direction), MCV_LOAD(slot, hit, 0), quadric));
 }
-#endif
 #endif
 
 /* The instance that a path has met, which must have met something. */
@@ -85,31 +74,26 @@ MCV_LOOP_FUNCTION mcv_interaction mcv_make_interaction(mcv_world world, mcv_slot
     surface->point = MCV_LOAD_3(slot, point);
     surface->error = MCV_LOAD_3(slot, error);
     surface->face = mcv_scale(interaction.face, interaction.inside ? -1.0f : 1.0f);
-#if MCV_WITH_NORMALS
-    surface->normal = MCV_LOAD_3(slot, own_normal);
-#else
     surface->normal = surface->face;
-#endif
+    if (MCV_WITH_NORMALS) surface->normal = MCV_LOAD_3(slot, own_normal);
     surface->area = MCV_LOAD(slot, area, 0);
     surface->triangle = triangle;
-#if MCV_WITH_SURFACES
-    if (triangle >= MCV_EXACT)
+    if (mcv_is_exact(triangle))
         surface->corners.x = surface->corners.y = surface->corners.z = 0u;
     else
-#endif
         surface->corners = mcv_triangle_corners(world, triangle);
     surface->instance = surface->corners.w = MCV_WORD(slot, instance, 0);
     surface->u = u;
     surface->v = v;
-#if MCV_WITH_GLOSS
-    interaction.gloss = slot.glosses + slot.index;
-    interaction.gloss_known = &MCV_WORD(slot, gloss_known, 0);
-#endif
-#if MCV_WITH_DIFFUSE
-    interaction.bounces = 1;
-    interaction.bounce = MCV_LOAD_3(slot, bounce);
-    interaction.bounce_density = MCV_LOAD(slot, bounce, 3);
-#endif
+    if (MCV_WITH_GLOSS) {
+        interaction.gloss = slot.glosses + slot.index;
+        interaction.gloss_known = &MCV_WORD(slot, gloss_known, 0);
+    }
+    if (MCV_WITH_DIFFUSE) {
+        interaction.bounces = 1;
+        interaction.bounce = MCV_LOAD_3(slot, bounce);
+        interaction.bounce_density = MCV_LOAD(slot, bounce, 3);
+    }
 #if MCV_WITH_CONTACT
     const mcv_hit hit = {MCV_LOAD(slot, hit, 0), u, v, triangle};
     mcv_find_contacts(world, MCV_LOAD_3(slot, origin), hit, &interaction);

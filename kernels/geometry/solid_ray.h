@@ -5,7 +5,6 @@
 
 #include "geometry/caps.h"
 
-#if MCV_WITH_SURFACES
 MCV_LOOP_FUNCTION mcv_vec3 mcv_into_frame(__global const mcv_device_solid *solid, mcv_vec3 v) {
     __global const float *m = solid->axes;
     return mcv_vec(mcv_dot(mcv_vec(m[0], m[1], m[2]), v), mcv_dot(mcv_vec(m[3], m[4], m[5]), v),
@@ -148,6 +147,5 @@ MCV_LOOP_FUNCTION mcv_piece_hit mcv_intersect_spans(mcv_solid_ray ray, mcv_span 
     first.piece = ray.inside ? end.piece : first.piece;
     return first;
 }
-#endif
 
 #endif

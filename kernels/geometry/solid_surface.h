@@ -6,7 +6,6 @@
 #include "geometry/solid_ray.h"
 #include "geometry/surface.h"
 
-#if MCV_WITH_SURFACES
 /* The unit gradient of a piece's equation at p, outwards, and how far p lies outside of it; of a
  * conic, a cylinder or a ball. */
 MCV_LOOP_FUNCTION mcv_vec3 mcv_quadric_gradient(__global const mcv_device_solid *solid, uint piece,
@@ -31,8 +30,8 @@ MCV_FUNCTION int mcv_is_quadric(__global const mcv_device_solid *solid, uint pie
 }
 
 /* The same of any piece. */
-static mcv_vec3 mcv_piece_gradient(__global const mcv_device_solid *solid, uint piece, mcv_vec3 p,
-                                   float *outside) {
+MCV_FUNCTION mcv_vec3 mcv_piece_gradient(__global const mcv_device_solid *solid, uint piece,
+                                         mcv_vec3 p, float *outside) {
     if (mcv_is_quadric(solid, piece)) return mcv_quadric_gradient(solid, piece, p, outside);
     if (piece == MCV_PIECE_SIDE) {
         const float x = mcv_abs(p.x) - solid->extent[0], y = mcv_abs(p.y) - solid->extent[1];
@@ -82,19 +81,18 @@ MCV_LOOP_FUNCTION mcv_surface mcv_exact_surface_on(mcv_world world, uint met, fl
     return surface;
 }
 
-static mcv_surface mcv_exact_surface_at(mcv_world world, uint met, float u, mcv_vec3 origin,
-                                        mcv_vec3 direction, float t) {
+MCV_FUNCTION mcv_surface mcv_exact_surface_at(mcv_world world, uint met, float u, mcv_vec3 origin,
+                                              mcv_vec3 direction, float t) {
     return mcv_exact_surface_on(world, met, u, origin, direction, t, 0);
 }
 
 /* What a ray remembers that leaves a surface in this direction. */
 MCV_LOOP_FUNCTION uint mcv_mark_origin_surface(mcv_world world, mcv_surface surface,
                                                mcv_vec3 direction) {
-    if (surface.triangle < MCV_EXACT) return MCV_NONE;
+    if (!mcv_is_exact(surface.triangle)) return MCV_NONE;
     const uint outwards = mcv_dot(direction, surface.face) > 0.0f;
     return mcv_exact_surface(world, surface.triangle) << 1 |
            (mcv_piece_of(surface.triangle) == MCV_PIECE_FIRST_CAP ? 1u - outwards : outwards);
 }
-#endif
 
 #endif

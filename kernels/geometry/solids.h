@@ -11,7 +11,6 @@
 #include "geometry/caps.h"
 #include "geometry/solid_ray.h"
 
-#if MCV_WITH_SURFACES
 enum { MCV_SHAPE_DISC, MCV_SHAPE_BALL, MCV_SHAPE_BOX, MCV_SHAPE_CONICS, MCV_SHAPE_OTHER };
 
 MCV_FUNCTION uint mcv_shape(__global const mcv_device_solid *solid) {
@@ -94,8 +93,8 @@ MCV_FUNCTION void mcv_take_exact_hit(mcv_world world, float t, uint number, uint
 }
 
 /* A curved surface by itself: both places where a ray meets its cap may lie within the side. */
-static mcv_piece_hit mcv_intersect_open(__global const mcv_device_solid *solid,
-                                        const mcv_solid_ray *ray, mcv_span side) {
+MCV_FUNCTION mcv_piece_hit mcv_intersect_open(__global const mcv_device_solid *solid,
+                                              const mcv_solid_ray *ray, mcv_span side) {
     mcv_piece_hit met;
     const mcv_span above = mcv_cap_above(solid, 0u, ray, side);
     const float at[2] = {above.enter, above.exit};
@@ -113,8 +112,8 @@ static mcv_piece_hit mcv_intersect_open(__global const mcv_device_solid *solid,
     return met;
 }
 
-static mcv_piece_hit mcv_intersect_other(__global const mcv_device_solid *solid,
-                                         const mcv_solid_ray *ray) {
+MCV_FUNCTION mcv_piece_hit mcv_intersect_other(__global const mcv_device_solid *solid,
+                                               const mcv_solid_ray *ray) {
     const mcv_span side = mcv_cylinder_span(solid->radius, ray->p, ray->d, ray->on[2], ray->up);
     if (ray->away || !(side.enter <= side.exit)) {
         const mcv_piece_hit none = {INFINITY, 0u};
@@ -126,8 +125,8 @@ static mcv_piece_hit mcv_intersect_other(__global const mcv_device_solid *solid,
     return mcv_intersect_spans(*ray, above, mcv_span_of(second.exit, second.enter), side);
 }
 
-static void mcv_intersect_solid(mcv_world world, uint number, mcv_vec3 origin, mcv_vec3 direction,
-                                uint origin_surface, mcv_hit *hit) {
+MCV_FUNCTION void mcv_intersect_solid(mcv_world world, uint number, mcv_vec3 origin,
+                                      mcv_vec3 direction, uint origin_surface, mcv_hit *hit) {
     __global const mcv_device_solid *solid = world.solids + number;
     if (!mcv_reaches_solid(solid, origin, direction, hit->t)) return;
     const mcv_solid_ray ray = mcv_make_solid_ray(world, number, origin, direction, origin_surface);
@@ -138,9 +137,9 @@ static void mcv_intersect_solid(mcv_world world, uint number, mcv_vec3 origin, m
 }
 
 /* The closer of a hit (or miss, with its t_max) on triangles and one on exact surfaces. */
-static __attribute__((noinline)) mcv_hit mcv_intersect_solids(mcv_world world, mcv_vec3 origin,
-                                                              mcv_vec3 direction,
-                                                              uint origin_surface, mcv_hit hit) {
+static inline __attribute__((noinline)) mcv_hit
+mcv_intersect_solids(mcv_world world, mcv_vec3 origin, mcv_vec3 direction, uint origin_surface,
+                     mcv_hit hit) {
     for (uint i = 0; i < world.frame->solid_count; ++i)
         mcv_intersect_solid(world, i, origin, direction, origin_surface, &hit);
     return hit;
@@ -159,6 +158,5 @@ MCV_FUNCTION mcv_hit mcv_intersect_solids_along(mcv_world world, mcv_vec3 origin
     }
     return hit;
 }
-#endif
 
 #endif

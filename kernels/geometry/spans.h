@@ -5,7 +5,6 @@
 
 #include "world.h"
 
-#if MCV_WITH_SURFACES
 /*
  * Where along a ray a condition holds: from enter to exit, or up to exit and again from enter where
  * that is the larger one.
@@ -92,6 +91,5 @@ MCV_LOOP_FUNCTION mcv_span mcv_box_span(__global const float *half_size, mcv_vec
     return mcv_choose_span(on ? !up : enter <= exit,
                            mcv_choose_span(on, inside, mcv_span_of(enter, exit)), mcv_nowhere());
 }
-#endif
 
 #endif

@@ -5,9 +5,7 @@
 
 #include "mcvisi/offset.h"
 #include "world.h"
-#if MCV_WITH_TEXTURE
 #include "geometry/texture.h"
-#endif
 
 /* The three vertices of a triangle and its instance. No vector: the compiler vectorises loops of
  * scalars only. */
@@ -41,27 +39,21 @@ MCV_FUNCTION mcv_corners mcv_triangle_corners(mcv_world world, uint triangle) {
 
 /* The instance that a hit is on. */
 MCV_FUNCTION uint mcv_instance_of(mcv_world world, uint triangle) {
-#if MCV_WITH_SURFACES
-    if (triangle >= MCV_EXACT)
+    if (mcv_is_exact(triangle))
         return world.solids[mcv_solid_of(triangle)].instance[mcv_piece_of(triangle)];
-#endif
     return world.triangles[triangle].w;
 }
 
-#if MCV_WITH_NORMALS
 MCV_FUNCTION mcv_vec3 mcv_interpolate(mcv_vec3 a, mcv_vec3 b, mcv_vec3 c, float u, float v) {
     return mcv_along(mcv_along(mcv_scale(a, 1.0f - u - v), u, b), v, c);
 }
-#endif
 
 /* What all places on a triangle share. */
 typedef struct mcv_facet {
     mcv_vec3 a, b, c; /* its corners [m] */
     mcv_vec3 face;
     float area;
-#if MCV_WITH_NORMALS
     mcv_vec3 normal_a, normal_b, normal_c; /* there */
-#endif
     uint triangle;
     mcv_corners corners;
 } mcv_facet;
@@ -77,11 +69,11 @@ MCV_LOOP_FUNCTION mcv_facet mcv_facet_of(mcv_world world, uint triangle) {
     const mcv_vec3 doubled = mcv_cross(mcv_sub(facet.b, facet.a), mcv_sub(facet.c, facet.a));
     facet.face = mcv_normalize(doubled);
     facet.area = 0.5f * mcv_sqrt(mcv_dot(doubled, doubled));
-#if MCV_WITH_NORMALS
-    facet.normal_a = mcv_vertex_vector(world.normals, corners.x);
-    facet.normal_b = mcv_vertex_vector(world.normals, corners.y);
-    facet.normal_c = mcv_vertex_vector(world.normals, corners.z);
-#endif
+    if (MCV_WITH_NORMALS) {
+        facet.normal_a = mcv_vertex_vector(world.normals, corners.x);
+        facet.normal_b = mcv_vertex_vector(world.normals, corners.y);
+        facet.normal_c = mcv_vertex_vector(world.normals, corners.z);
+    }
     return facet;
 }
 
@@ -97,12 +89,11 @@ MCV_LOOP_FUNCTION mcv_surface mcv_surface_on(mcv_facet facet, float u, float v) 
     surface.face = facet.face;
     surface.area = facet.area;
     surface.normal = surface.face;
-#if MCV_WITH_NORMALS
+    if (!MCV_WITH_NORMALS) return surface;
     const mcv_vec3 n =
         mcv_normalize(mcv_interpolate(facet.normal_a, facet.normal_b, facet.normal_c, u, v));
     /* Opposite vertex normals may cancel, and those of a flat mesh are 0: the face's then. */
     surface.normal = mcv_choose(mcv_dot(n, n) > 0.5f, n, surface.face);
-#endif
     return surface;
 }
 
@@ -110,7 +101,6 @@ MCV_LOOP_FUNCTION mcv_surface mcv_surface_at(mcv_world world, uint triangle, flo
     return mcv_surface_on(mcv_facet_of(world, triangle), u, v);
 }
 
-#if MCV_WITH_TEXTURE
 /* Coordinate 0 or 1 of the place in the set of texture coordinates that begins with `first`. */
 MCV_LOOP_FUNCTION float mcv_texcoord_of(mcv_world world, mcv_surface surface, uint first,
                                         uint axis) {
@@ -139,9 +129,14 @@ MCV_LOOP_FUNCTION mcv_color mcv_texture_at(mcv_world world, mcv_surface surface,
     return mcv_texture_lookup(world, texture, mcv_image_place(world, surface, texture, 0),
                               mcv_image_place(world, surface, texture, 1));
 }
-#endif
 
-#if MCV_WITH_GLOSS
+/* A value times the texture's there, where a material has one. */
+MCV_LOOP_FUNCTION mcv_color mcv_textured(mcv_world world, mcv_surface surface, uint texture,
+                                         mcv_color value) {
+    if (!MCV_WITH_TEXTURE || texture == MCV_NONE) return value;
+    return mcv_tint(value, mcv_texture_at(world, surface, texture));
+}
+
 /* The direction that lies at an angle, given by its cosine and sine, from the tangent; along the
  * surface only about. */
 MCV_FUNCTION mcv_vec3 mcv_tangent(mcv_world world, mcv_surface surface, const float *angle) {
@@ -157,36 +152,21 @@ MCV_FUNCTION mcv_vec3 mcv_tangent(mcv_world world, mcv_surface surface, const fl
         mcv_normalize(mcv_along(tangent, -mcv_dot(tangent, surface.normal), surface.normal));
     return mcv_along(mcv_scale(x, angle[0]), hand * angle[1], mcv_cross(surface.normal, x));
 }
-#endif
 
 /* Reflectance or transmittance, texture included. */
 MCV_LOOP_FUNCTION mcv_color mcv_material_value(mcv_world world, mcv_surface surface,
                                                uint material) {
     mcv_color value;
     MCV_EACH_CHANNEL(i) value.c[i] = world.materials[material].value[i];
-    (void)surface;
-#if MCV_WITH_TEXTURE
-    if (world.materials[material].texture != MCV_NONE) {
-        value = mcv_tint(value, mcv_texture_at(world, surface, world.materials[material].texture));
-    }
-#endif
-    return value;
+    return mcv_textured(world, surface, world.materials[material].texture, value);
 }
 
-#if MCV_WITH_TRANSLUCENT
 /* The transmittance of a translucent one, texture included. */
 MCV_LOOP_FUNCTION mcv_color mcv_material_passed(mcv_world world, mcv_surface surface,
                                                 uint material) {
     mcv_color passed;
     MCV_EACH_CHANNEL(i) passed.c[i] = world.materials[material].passed[i];
-    (void)surface;
-#if MCV_WITH_TEXTURE
-    if (world.materials[material].texture != MCV_NONE)
-        passed =
-            mcv_tint(passed, mcv_texture_at(world, surface, world.materials[material].texture));
-#endif
-    return passed;
+    return mcv_textured(world, surface, world.materials[material].texture, passed);
 }
-#endif
 
 #endif

@@ -76,7 +76,6 @@ MCV_FUNCTION mcv_color mcv_texture_lookup(mcv_world world, uint index, float s, 
     return color;
 }
 
-#if MCV_WITH_GLOSS
 /* A single channel of an image of linear values, however many the render has. */
 MCV_FUNCTION float mcv_texture_value(mcv_world world, uint index, float s, float t, uint channel) {
     const mcv_device_texture texture = world.textures[index];
@@ -92,6 +91,5 @@ MCV_FUNCTION float mcv_texture_value(mcv_world world, uint index, float s, float
     const float lower = mcv_fma(place.a, corner[3] - corner[2], corner[2]);
     return mcv_fma(place.b, lower - upper, upper);
 }
-#endif
 
 #endif

@@ -53,10 +53,10 @@ MCV_LOOP_FUNCTION mcv_color mcv_full_radiance(mcv_world world, mcv_surface surfa
     return radiance;
 }
 
-/* Whether an emitter of a type that sends its full radiance or nothing shines in a direction (unit,
+/* The share of its full radiance that an emitter without an image of directions sends in one (unit,
  * away from the surface). */
-MCV_LOOP_FUNCTION int mcv_shines(__global const mcv_device_emitter *e, mcv_vec3 face,
-                                 mcv_vec3 normal, mcv_vec3 direction) {
+MCV_LOOP_FUNCTION float mcv_radiance_share(__global const mcv_device_emitter *e, mcv_vec3 face,
+                                           mcv_vec3 normal, mcv_vec3 direction) {
     float share = 0.0f;
     (void)e, (void)normal;
 #if MCV_WITH_PARALLEL
@@ -64,10 +64,10 @@ MCV_LOOP_FUNCTION int mcv_shines(__global const mcv_device_emitter *e, mcv_vec3 
     share = e->type == MCV_EMITTER_PARALLEL ? parallel : share;
 #endif
 #if MCV_WITH_AREA
-    const float everywhere = mcv_area_evaluate(direction, normal);
-    share = e->type == MCV_EMITTER_AREA ? everywhere : share;
+    const float profile = mcv_surface_light_share(&e->surface_light, mcv_dot(direction, normal));
+    share = e->type == MCV_EMITTER_AREA ? profile : share;
 #endif
-    return (share > 0.0f) & (mcv_dot(direction, face) > 0.0f);
+    return mcv_dot(direction, face) > 0.0f ? share : 0.0f;
 }
 
 /* Radiance that an emitter's surface sends in a direction (unit, away from the surface), in its
@@ -90,9 +90,8 @@ MCV_LOOP_FUNCTION mcv_color mcv_emitted(mcv_world world, mcv_surface surface, ui
         return radiance;
     }
 #endif
-    return mcv_shines(e, surface.face, surface.normal, direction)
-               ? mcv_full_radiance(world, surface, emitter)
-               : mcv_grey(0.0f);
+    return mcv_dim(mcv_full_radiance(world, surface, emitter),
+                   mcv_radiance_share(e, surface.face, surface.normal, direction));
 }
 #endif
 

@@ -149,14 +149,14 @@ MCV_LOOP_FUNCTION mcv_shadow mcv_sample_point(mcv_receiver at, __global const mc
     shadow.direction =
         mcv_sub(mcv_offset_origin(there->point, error, there->face, back), shadow.origin);
     /* Only a face seen exactly edge-on has no finite density. */
-    const int lit = (shadow.density > 0.0f) & (shadow.density < INFINITY) &
-                    mcv_shines(e, there->face, there->normal, back);
-    shadow.light = mcv_light_over(e, lit, 1.0f / shadow.density, 1.0f);
+    const float share = mcv_radiance_share(e, there->face, there->normal, back);
+    const int lit = (shadow.density > 0.0f) & (shadow.density < INFINITY) & (share > 0.0f);
+    shadow.light = mcv_light_over(e, lit, share / shadow.density, 1.0f);
     return shadow;
 }
 
 #if MCV_WITH_TEXTURE
-/* Whether what an emitter sends varies over its surface, or in more ways than mcv_shines knows. */
+/* Whether what an emitter sends varies over its surface, or in more ways than by the angle. */
 MCV_FUNCTION int mcv_has_image(__global const mcv_device_emitter *e) {
     return e->texture != MCV_NONE;
 }

@@ -83,17 +83,18 @@ MCV_LOOP_FUNCTION void mcv_leave_point(mcv_world world, mcv_surface surface, mcv
                                        mcv_light_path *path) {
     __global const mcv_device_emitter *e = world.emitters + path->emitter;
     mcv_color radiance = mcv_full_radiance(world, surface, path->emitter);
-    int shines = (own & (e->type == MCV_EMITTER_PARALLEL)) |
-                 mcv_shines(e, surface.face, surface.normal, direction);
+    const float profile = mcv_radiance_share(e, surface.face, surface.normal, direction);
+    float sent = (own & (e->type == MCV_EMITTER_PARALLEL)) ? 1.0f : profile;
 #if (MCV_WITH_LIGHT_FIELD || MCV_WITH_PROJECTOR) && MCV_WITH_TEXTURE
     if (e->type == MCV_EMITTER_LIGHT_FIELD_EMITTER || e->type == MCV_EMITTER_PROJECTOR) {
         radiance = mcv_emitted(world, surface, path->emitter, direction);
-        shines = 1;
+        sent = 1.0f;
     }
 #endif
     path->direction = direction;
     path->etendue = mcv_etendue_of(e, aimed, surface.face, direction);
-    const int sends = (path->etendue > 0.0f) & (share > 0.0f) & shines;
+    share *= sent;
+    const int sends = (path->etendue > 0.0f) & (share > 0.0f);
     MCV_EACH_CHANNEL(i) {
         const float flux = radiance.c[i] * (share * path->etendue);
         path->flux.c[i] = sends ? flux : 0.0f;

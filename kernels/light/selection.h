@@ -13,8 +13,6 @@
 
 #include "world.h"
 
-#if MCV_WITH_REACH
-
 /* How far a flat emitter stretches along a direction, r times the sine of the angle to its normal;
  * without a normal, r. */
 MCV_LOOP_FUNCTION float mcv_stretch(__global const mcv_device_emitter *e, mcv_vec3 direction) {
@@ -116,7 +114,7 @@ MCV_FUNCTION uint mcv_select_emitter(mcv_world world, mcv_vec3 receiver, mcv_vec
     float importances[MCV_MOST_REACHING];
     mcv_reaching all = {0.0f, 0.0f};
     mcv_emitter_choice choice = {MCV_NONE, 0.0f};
-    const uint count = world.frame->emitter_count;
+    const uint count = min(world.frame->emitter_count, (uint)MCV_MOST_REACHING);
     for (uint i = 0; i < count; ++i)
         importances[i] = mcv_add_reaching(world.emitters + i, receiver, face, normal, sides, &all);
     *selection = mcv_make_light_selection(all);
@@ -132,7 +130,5 @@ MCV_LOOP_FUNCTION float mcv_selection_ratio(__global const mcv_device_emitter *e
     return mcv_fma(mcv_emitter_importance(e, receiver), selection.scale, selection.least) /
            e->probability;
 }
-
-#endif
 
 #endif

@@ -20,7 +20,7 @@
 
 /* Whether the origins of the rays that go on are worked out for many paths at once, after all else.
  */
-#define MCV_LEAVES_TOGETHER (MCV_TILE && !MCV_WITH_CONTACT && !MCV_WITH_MIXED)
+#define MCV_OFFSETS_TOGETHER (MCV_TILE && !MCV_WITH_CONTACT && !MCV_WITH_MIXED)
 
 /* A sample's path splits at the first surfaces of glass, sheets and beam splitters that it meets,
  * so that it has at most so many branches: a power of two. */
@@ -28,10 +28,11 @@
 #define MCV_BRANCHES (MCV_WITH_SPLIT ? MCV_SPLIT_BRANCHES : 1)
 
 /*
- * X(field, words): what a scene does not need has no words. Paths of either kind have a ray, and
- * the surface that it has met. In between lie words of their own, which camera paths and light
- * paths use as they need: a slice holds paths of one kind. What lies before the hit goes on with
- * the path to its next surface.
+ * X(field, words): what a scene does not need has no words. It has a place all the same: what reads
+ * or writes it stands behind `if (MCV_WITH_…)`, which is known to the compiler. Paths of either
+ * kind have a ray, and the surface that it has met. In between lie words of their own, which camera
+ * paths and light paths use as they need: a slice holds paths of one kind. What lies before the hit
+ * goes on with the path to its next surface.
  */
 #define MCV_RAY_FIELDS(X) \
     X(origin_surface, MCV_WITH_SURFACES) /* the exact surface that the ray starts on \
@@ -109,7 +110,7 @@
 /* Whether light paths lie in rows. Where beams come to the lens by themselves, colours part or
  * surfaces touch, they are traced one by one. */
 #define MCV_LIGHT_ROWS \
-    (MCV_LEAVES_TOGETHER && MCV_WITH_LIGHT_TRACING && MCV_WITH_NEXT_EVENT && !MCV_WITH_BEAM && \
+    (MCV_OFFSETS_TOGETHER && MCV_WITH_LIGHT_TRACING && MCV_WITH_NEXT_EVENT && !MCV_WITH_BEAM && \
      !MCV_WITH_DISPERSION)
 
 /*
@@ -130,6 +131,7 @@ enum {
 };
 
 #if MCV_ON_DEVICE
+#include "world.h"
 
 #define MCV_PATH_OFFSET(field, words) \
     MCV_PATH_##field, MCV_PATH_AFTER_##field = MCV_PATH_##field + (words)-1,
@@ -164,7 +166,7 @@ typedef struct mcv_slot {
     MCV_PATH_SPACE uint *base;
 #if !MCV_TILE
     uint capacity;
-#elif MCV_WITH_GLOSS
+#else
     struct mcv_gloss_interaction *glosses; /* of each slot (bsdf/bsdf.h) */
 #endif
     uint index;
@@ -176,9 +178,7 @@ MCV_LOOP_FUNCTION mcv_slot mcv_slot_at(uint *paths, uint index) {
     mcv_slot slot;
     slot.base = paths;
     slot.index = index;
-#if MCV_WITH_GLOSS
     slot.glosses = 0;
-#endif
     return slot;
 }
 #endif
@@ -195,40 +195,49 @@ MCV_LOOP_FUNCTION mcv_slot mcv_slot_at(uint *paths, uint index) {
         MCV_STORE(slot, field, 1, (value).y); \
         MCV_STORE(slot, field, 2, (value).z); \
     } while (0)
+/* The same, but for a path that is `skipped`. Values are chosen among, not places in memory: with
+ * these a loop over paths would not be vectorised. */
+#define MCV_REPLACE_WORD(slot, field, k, skipped, value) \
+    do { \
+        const uint before = MCV_WORD(slot, field, k), after = (value); \
+        MCV_WORD(slot, field, k) = (skipped) ? before : after; \
+    } while (0)
+#define MCV_REPLACE(slot, field, k, skipped, value) \
+    do { \
+        const float before = MCV_LOAD(slot, field, k), after = (value); \
+        MCV_STORE(slot, field, k, (skipped) ? before : after); \
+    } while (0)
 #define MCV_LOAD_COLOR(slot, field, color) \
     MCV_EACH_CHANNEL(channel)(color).c[channel] = MCV_LOAD(slot, field, channel)
 #define MCV_STORE_COLOR(slot, field, color) \
     MCV_EACH_CHANNEL(channel) MCV_STORE(slot, field, channel, (color).c[channel])
 
+/* What it carries. */
+MCV_LOOP_FUNCTION mcv_color mcv_path_throughput(mcv_slot slot) {
+    mcv_color throughput;
+    MCV_LOAD_COLOR(slot, throughput, throughput);
+    return throughput;
+}
+
 /* The set of the media that its ray is in. */
 MCV_FUNCTION uint mcv_path_media(mcv_slot slot) {
-#if MCV_WITH_DIELECTRIC
-    return MCV_WORD(slot, media, 0);
-#else
-    (void)slot;
-    return 0u;
-#endif
+    return MCV_WITH_DIELECTRIC ? MCV_WORD(slot, media, 0) : 0u;
+}
+
+/* The exact surface that its ray starts on. */
+MCV_FUNCTION uint mcv_path_origin_surface(mcv_slot slot) {
+    return MCV_WITH_SURFACES ? MCV_WORD(slot, origin_surface, 0) : MCV_NONE;
 }
 
 /* With which its last surface chose the direction, as far as anything is weighed against that. */
 MCV_FUNCTION float mcv_path_density(mcv_slot slot) {
-#if MCV_WITH_NEXT_EVENT
-    return MCV_LOAD(slot, density, 0);
-#else
-    (void)slot;
-    return 0.0f;
-#endif
+    return MCV_WITH_NEXT_EVENT ? MCV_LOAD(slot, density, 0) : 0.0f;
 }
 
 /* Which of its sample's branches a path is. */
 MCV_FUNCTION uint mcv_branch_of(mcv_slot slot) {
-#if MCV_WITH_SPLIT
-    const uint branch = MCV_WORD(slot, branch, 0);
+    const uint branch = MCV_WITH_SPLIT ? MCV_WORD(slot, branch, 0) : 0u;
     return branch < MCV_BRANCHES ? 0u : branch - MCV_BRANCHES;
-#else
-    (void)slot;
-    return 0u;
-#endif
 }
 
 #endif

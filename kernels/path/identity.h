@@ -28,21 +28,21 @@ typedef struct mcv_identity {
     uint sample;
 } mcv_identity;
 
-/* Pixels are numbered as listed or tile by tile, 8 x 8 each; those of a tile that stick out of the
+/* Pixels are numbered as listed or in squares of 8 x 8; those of a square that stick out of the
  * image have no paths. */
 MCV_FUNCTION mcv_identity mcv_identify(mcv_world world, uint path) {
     __constant const mcv_frame *frame = world.frame;
     mcv_identity id;
     const uint set = frame->first_set + (path >> frame->log2_samples);
     const uint pixel = set / frame->replicates;
-    const uint tiles = (frame->width + 7u) / 8u;
-    const uint tile = pixel >> 6;
+    const uint across = (frame->width + 7u) / 8u;
+    const uint square = pixel >> 6;
     if (frame->listed) {
         id.column = world.listed[pixel] % frame->width;
         id.row = world.listed[pixel] / frame->width;
     } else {
-        id.column = tile % tiles * 8u + (pixel & 7u);
-        id.row = tile / tiles * 8u + ((pixel >> 3) & 7u);
+        id.column = square % across * 8u + (pixel & 7u);
+        id.row = square / across * 8u + ((pixel >> 3) & 7u);
     }
     id.stream = mcv_hash_2(
         mcv_hash_2(frame->seed, frame->first_pixel + id.row * frame->row_pitch + id.column),
@@ -57,7 +57,8 @@ MCV_FUNCTION int mcv_needs_choice(__constant const mcv_frame *frame, uint depth)
            depth >= MCV_ROULETTE_DEPTH || frame->emitter_count > 1u;
 }
 
-/* A pair of random numbers of the surface that a path has met. */
+/* A pair of random numbers of the surface that a path has met, the depth-th one. The tile schedule
+ * has drawn it there (mcv_draw_pairs), and keeps none of other depths. */
 MCV_LOOP_FUNCTION mcv_pair mcv_draw(mcv_slot slot, uint depth, uint pair) {
 #if MCV_TILE
     const mcv_pair drawn = {MCV_LOAD(slot, drawn, 2u * pair),
@@ -74,11 +75,9 @@ MCV_LOOP_FUNCTION mcv_pair mcv_draw(mcv_slot slot, uint depth, uint pair) {
  * The pair that chooses a lobe and plays roulette; any numbers where a surface needs none. Its
  * first number has chosen an emitter, too, which is another estimate.
  */
-MCV_LOOP_FUNCTION mcv_pair mcv_draw_choice(mcv_slot slot, uint depth) {
-#if !MCV_TILE && !(MCV_WITH_GLOSS || MCV_WITH_REFLECTOR || MCV_WITH_TRANSLUCENT)
+MCV_LOOP_FUNCTION mcv_pair mcv_draw_choice(mcv_world world, mcv_slot slot, uint depth) {
     const mcv_pair unused = {0.0f, 0.0f};
-    if (depth < MCV_ROULETTE_DEPTH) return unused;
-#endif
+    if (!MCV_TILE && !mcv_needs_choice(world.frame, depth)) return unused;
     return mcv_draw(slot, depth, MCV_PAIR_CHOICE);
 }
 

@@ -3,36 +3,27 @@
 #ifndef MCVISI_KERNELS_MEDIA_H
 #define MCVISI_KERNELS_MEDIA_H
 
-#include "world.h"
-#if MCV_WITH_ABSORPTION
 #include "mcvisi/elementary.h"
-#endif
+#include "world.h"
 
-#if MCV_WITH_DIELECTRIC
 /* The medium that fills a place inside all media of the set: the one of the highest priority. */
 MCV_FUNCTION uint mcv_filling_medium(uint media) { return 32u - clz(media); }
-#endif
 
 /* Radiance L of light in a medium as paths carry it, L/n². */
 MCV_LOOP_FUNCTION mcv_color mcv_basic_radiance(mcv_world world, mcv_color radiance, uint media) {
-#if MCV_WITH_DIELECTRIC
-    radiance = mcv_dim(radiance, world.media[mcv_filling_medium(media)].inverse_index_squared);
-#else
-    (void)world, (void)media;
-#endif
-    return radiance;
+    if (!MCV_WITH_DIELECTRIC) return radiance;
+    return mcv_dim(radiance, world.media[mcv_filling_medium(media)].inverse_index_squared);
 }
 
-#if MCV_WITH_ABSORPTION
 /* What the medium leaves of light over a distance. */
 MCV_FUNCTION mcv_color mcv_medium_transmittance(mcv_world world, uint media, float distance) {
     __global const mcv_device_medium *medium = world.media + mcv_filling_medium(media);
     mcv_color transmittance;
+    if (!MCV_WITH_ABSORPTION) return mcv_grey(1.0f);
     MCV_EACH_CHANNEL(i)
     transmittance.c[i] =
         medium->absorption[i] > 0.0f ? mcv_exp_minus(medium->absorption[i] * distance) : 1.0f;
     return transmittance;
 }
-#endif
 
 #endif

@@ -11,6 +11,8 @@
 #include "schedule/sort_paths.h"
 #include "schedule/surface_rows.h"
 #include "schedule/vectorize.h"
+#include "stage/continue_path.h"
+#include "stage/trace_light_path.h"
 
 #if MCV_WITH_LIGHT_TRACING
 #if MCV_LIGHT_ROWS
@@ -19,12 +21,9 @@ MCV_LOOP_FUNCTION mcv_light_path mcv_load_light_path(mcv_slot slot) {
     path.origin = MCV_LOAD_3(slot, origin);
     path.direction = MCV_LOAD_3(slot, direction);
     MCV_LOAD_COLOR(slot, light_flux, path.flux);
-    MCV_LOAD_COLOR(slot, throughput, path.throughput);
+    path.throughput = mcv_path_throughput(slot);
     path.etendue = MCV_LOAD(slot, light_etendue, 0);
-    path.origin_surface = MCV_NONE;
-#if MCV_WITH_SURFACES
-    path.origin_surface = MCV_WORD(slot, origin_surface, 0);
-#endif
+    path.origin_surface = mcv_path_origin_surface(slot);
     path.media = mcv_path_media(slot);
     path.emitter = MCV_WORD(slot, light_emitter, 0);
     path.path_class = MCV_WORD(slot, light_class, 0);
@@ -32,40 +31,38 @@ MCV_LOOP_FUNCTION mcv_light_path mcv_load_light_path(mcv_slot slot) {
     return path;
 }
 
-/* What changes from surface to surface, but for the origin; skipped: 1 leaves it as it is, known to
- * the compiler where that cannot be. */
-MCV_LOOP_FUNCTION void mcv_store_light_step(mcv_slot slot, int skipped, mcv_light_path path) {
-    const mcv_vec3 direction = mcv_choose(skipped, MCV_LOAD_3(slot, direction), path.direction);
-    MCV_STORE_3(slot, direction, direction);
-    /* Values are chosen among, not places in memory: with these a loop over paths would not be
-     * vectorised. */
-    MCV_EACH_CHANNEL(c) {
-        const float before = MCV_LOAD(slot, throughput, c);
-        const float carried = path.throughput.c[c];
-        MCV_STORE(slot, throughput, c, skipped ? before : carried);
-    }
-#if MCV_WITH_SURFACES
-    const uint surface_before = MCV_WORD(slot, origin_surface, 0);
-    const uint surface = path.origin_surface;
-    MCV_WORD(slot, origin_surface, 0) = skipped ? surface_before : surface;
-#endif
-#if MCV_WITH_DIELECTRIC
-    const uint media_before = MCV_WORD(slot, media, 0);
-    const uint media = path.media;
-    MCV_WORD(slot, media, 0) = skipped ? media_before : media;
-#endif
-    const uint class_before = MCV_WORD(slot, light_class, 0);
-    const uint path_class = path.path_class;
-    MCV_WORD(slot, light_class, 0) = skipped ? class_before : path_class;
-}
-
 MCV_LOOP_FUNCTION void mcv_store_light_path(mcv_slot slot, mcv_light_path path) {
-    mcv_store_light_step(slot, 0, path);
     MCV_STORE_3(slot, origin, path.origin);
+    MCV_STORE_3(slot, direction, path.direction);
     MCV_STORE_COLOR(slot, light_flux, path.flux);
+    MCV_STORE_COLOR(slot, throughput, path.throughput);
+    if (MCV_WITH_SURFACES) MCV_WORD(slot, origin_surface, 0) = path.origin_surface;
+    if (MCV_WITH_DIELECTRIC) MCV_WORD(slot, media, 0) = path.media;
+    MCV_WORD(slot, light_class, 0) = path.path_class;
     MCV_STORE(slot, light_etendue, 0, path.etendue);
     MCV_WORD(slot, light_emitter, 0) = path.emitter;
     MCV_STORE(slot, light_length, 0, path.length);
+}
+
+/* How a light path continues from a surface of a known kind: all but its origin. Returns its fate.
+ */
+MCV_LOOP_FUNCTION uint mcv_shade_light_path(mcv_world world, mcv_slot slot,
+                                            const mcv_interaction *interaction, mcv_shading shading,
+                                            uint depth, uint *unmatched) {
+    const mcv_pair choice = mcv_draw(slot, depth, MCV_PAIR_CHOICE);
+    mcv_light_path path = mcv_load_light_path(slot);
+    mcv_scattering other;
+    int unshaded = 0;
+    shading.splits = 0;
+    const mcv_scattering on =
+        mcv_scatter_as(world, slot, interaction, shading, mcv_draw(slot, depth, MCV_PAIR_SCATTER),
+                       choice.x, 0, unmatched, &other, &unshaded);
+    const int goes_on =
+        mcv_continue_light_path(world, interaction, shading, on, depth, choice.y, &path);
+    const int skipped = shading.kind == MCV_SHADING_GLOSS ? unshaded : 0;
+    mcv_continue_ray(world, slot, interaction, shading, on, path.throughput, skipped);
+    MCV_REPLACE_WORD(slot, light_class, 0, skipped, path.path_class);
+    return unshaded ? (uint)MCV_UNSHADED : (uint)goes_on;
 }
 
 /* Begins so many light paths, whose pairs are drawn; returns how many carry anything. */

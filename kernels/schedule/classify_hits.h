@@ -13,14 +13,11 @@
  * exact surface, its first words are loaded and not used. */
 MCV_LOOP_FUNCTION uint mcv_classify_hit(mcv_world world, __global const uint *triangles, uint hit) {
     const int misses = hit == MCV_NONE;
-    int on_solid = 0;
-#if MCV_WITH_SURFACES
-    on_solid = !misses & (hit >= MCV_EXACT);
-#endif
+    const int on_solid = (hit != MCV_NONE) & mcv_is_exact(hit);
     __global const uint *instance = triangles + 4u * (misses | on_solid ? 0u : hit) + 3u;
-#if MCV_WITH_SURFACES
-    instance = on_solid ? world.solids[mcv_solid_of(hit)].instance + mcv_piece_of(hit) : instance;
-#endif
+    if (MCV_WITH_SURFACES)
+        instance =
+            on_solid ? world.solids[mcv_solid_of(hit)].instance + mcv_piece_of(hit) : instance;
     const uint number = *instance, shading = world.instances[misses ? 0u : number].shading;
     uint class = on_solid ? MCV_CLASS_EXACT : MCV_CLASS_TRIANGLE;
     class = shading >= MCV_SHADING_BLACK ? MCV_CLASS_BLACK + (shading - MCV_SHADING_BLACK) : class;
@@ -44,7 +41,6 @@ MCV_BATCH void mcv_lookup_classes(mcv_world world, __global const uint *triangle
         of_each[i] =
             mcv_classify_hit(world, triangles, i < world.frame->triangle_count ? i : MCV_NONE);
     mcv_register_lookup(of_each, hits, count, classes);
-#if MCV_WITH_SURFACES
     uint exacts[MCV_ROW];
     MCV_VECTORIZE
     for (uint i = 0; i < MCV_CACHED; ++i) {
@@ -55,12 +51,10 @@ MCV_BATCH void mcv_lookup_classes(mcv_world world, __global const uint *triangle
     }
     mcv_register_lookup(of_each, hits, count, exacts);
     MCV_VECTORIZE
-    for (uint i = 0; i < mcv_fill_lanes(count); ++i)
-        classes[i] = hits[i] >= MCV_EXACT ? exacts[i] : classes[i];
-#endif
-    MCV_VECTORIZE
-    for (uint i = 0; i < mcv_fill_lanes(count); ++i)
-        classes[i] = ((i < count) & (hits[i] != MCV_NONE)) ? classes[i] : MCV_CLASS_MISS;
+    for (uint i = 0; i < mcv_fill_lanes(count); ++i) {
+        const uint class = mcv_is_exact(hits[i]) ? exacts[i] : classes[i];
+        classes[i] = ((i < count) & (hits[i] != MCV_NONE)) ? class : MCV_CLASS_MISS;
+    }
 }
 #endif
 
@@ -70,9 +64,7 @@ MCV_BATCH void mcv_classify_hits(mcv_world world, const uint *paths, uint count,
                                  uint *gloss) {
     const uint *hits = paths + (MCV_PATH_hit + 3) * MCV_ROW;
     __global const uint *triangles = (__global const uint *)world.triangles;
-#if MCV_WITH_SURFACES
-    if (!triangles) triangles = (__global const uint *)world.solids;
-#endif
+    if (MCV_WITH_SURFACES && !triangles) triangles = (__global const uint *)world.solids;
     *gloss = MCV_NONE;
     if (!triangles) {
         for (uint i = 0; i < count; ++i) classes[i] = MCV_CLASS_MISS;

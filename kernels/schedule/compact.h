@@ -49,45 +49,38 @@ static inline __attribute__((noinline)) uint mcv_compact_indices(const uint *fla
     return n;
 }
 
-/* The words of a row whose flags are not 0, side by side, in the same row or another; returns how
- * many. The same room. */
-static inline __attribute__((noinline)) uint mcv_compact_row(const uint *flags, const uint *row,
-                                                             uint count, uint *packed) {
-    uint n = 0;
-#ifdef MCV_AVX512_BUILTINS
-    for (uint i = 0; i < count; i += 16) {
-        const ushort set = mcv_set_flags(flags, i, count);
-        const int16 words = as_int16(vload16(0, row + i));
-        vstore16(as_uint16(__builtin_ia32_compresssi512_mask(words, words, set)), 0, packed + n);
-        n += popcount((uint)set);
-    }
-#else
-    for (uint i = 0; i < count; ++i) {
-        packed[n] = row[i];
-        n += flags[i] != 0u;
-    }
-#endif
-    return n;
-}
-
-/* The same of many rows at once, which begin so many words after each other. */
-static inline __attribute__((noinline)) void mcv_compact_rows(const uint *flags, const uint *rows,
+/* The words of rows, which begin so many words after each other, whose flags are not 0: side by
+ * side, in the same rows or others; returns how many in each. The same room. */
+static inline __attribute__((noinline)) uint mcv_compact_rows(const uint *flags, const uint *rows,
                                                               uint row_count, uint stride,
                                                               uint count, uint *packed) {
+    uint n = 0;
 #ifdef MCV_AVX512_BUILTINS
     for (uint i = 0; i < count; i += 16) {
         const ushort set = mcv_set_flags(flags, i, count);
         for (uint row = 0; set && row < row_count; ++row) {
             const int16 words = as_int16(vload16(0, rows + row * stride + i));
             vstore16(as_uint16(__builtin_ia32_compresssi512_mask(words, words, set)), 0,
-                     packed + row * stride);
+                     packed + row * stride + n);
         }
-        packed += popcount((uint)set);
+        n += popcount((uint)set);
     }
 #else
-    for (uint row = 0; row < row_count; ++row)
-        mcv_compact_row(flags, rows + row * stride, count, packed + row * stride);
+    for (uint i = 0; i < count; ++i) n += flags[i] != 0u;
+    for (uint row = 0; n > 0 && row < row_count; ++row) {
+        uint *to = packed + row * stride;
+        for (uint i = 0; i < count; ++i) {
+            *to = rows[row * stride + i];
+            to += flags[i] != 0u;
+        }
+    }
 #endif
+    return n;
+}
+
+/* The same of one row. */
+static inline uint mcv_compact_row(const uint *flags, const uint *row, uint count, uint *packed) {
+    return mcv_compact_rows(flags, row, 1, 0, count, packed);
 }
 
 /* The words that mcv_compact_row has set side by side go back to where the flags are not 0; the

@@ -8,13 +8,12 @@
 
 #include "schedule/solid_rows.h"
 #include "stage/intersect_closest.h"
-#include "traverse/policy.h"
+#include "traverse/trace_packet.h"
 
 /* A vector's rows, as traverse/packet.h reads them. */
 #define MCV_ROWS(paths, field) \
     { (paths) + MCV_PATH_##field *MCV_ROW, 1u, MCV_ROW }
 
-#if MCV_WITH_SURFACES
 MCV_FUNCTION float mcv_least_lane(float8 lanes) {
     const float4 four = min(lanes.lo, lanes.hi);
     const float2 two = min(four.lo, four.hi);
@@ -39,14 +38,6 @@ MCV_BATCH uint mcv_list_near_triangles(mcv_world world, uint *paths, uint count,
     }
     return mcv_compact_indices(enters, count, chosen);
 }
-#endif
-
-#if MCV_WITH_ABSORPTION
-MCV_BATCH void mcv_absorb_rows(mcv_world world, uint *paths, uint count) {
-    MCV_VECTORIZE
-    MCV_EACH_PATH (slot, paths, 0, count) mcv_absorb(world, slot);
-}
-#endif
 
 /* mcv_intersect_closest of the paths in the slots 0 … count - 1. */
 MCV_BATCH void mcv_intersect_paths(mcv_world world, uint *paths, uint count) {
@@ -59,18 +50,19 @@ MCV_BATCH void mcv_intersect_paths(mcv_world world, uint *paths, uint count) {
         mcv_put_hit(hits, i, mcv_miss(INFINITY));
         chosen[i] = i;
     }
-#if MCV_WITH_SURFACES
-    const mcv_ray_rows rays = {origins.base, directions.base,
-                               paths + MCV_PATH_origin_surface * MCV_ROW};
-    mcv_intersect_solid_rows(world, rays, count, hits);
-    /* The triangles of two leaves take no longer than the box that holds them. */
-    if (!mcv_is_flat(world.nodes) || world.nodes->child[2] != MCV_NONE)
-        listed = mcv_list_near_triangles(world, paths, count, chosen);
-#endif
-    MCV_TRACE_CLOSEST(world.nodes, world.leaves, origins, directions, chosen, listed, hits);
-#if MCV_WITH_ABSORPTION
-    mcv_absorb_rows(world, paths, count);
-#endif
+    if (MCV_WITH_SURFACES) {
+        const mcv_ray_rows rays = {origins.base, directions.base,
+                                   paths + MCV_PATH_origin_surface * MCV_ROW};
+        mcv_intersect_solid_rows(world, rays, count, hits);
+        /* The triangles of two leaves take no longer than the box that holds them. */
+        if (!mcv_is_flat(world.nodes) || world.nodes->child[2] != MCV_NONE)
+            listed = mcv_list_near_triangles(world, paths, count, chosen);
+    }
+    mcv_intersect_closest_rays(world.nodes, world.leaves, origins, directions, chosen, listed,
+                               hits);
+    if (!MCV_WITH_ABSORPTION) return;
+    MCV_VECTORIZE
+    MCV_EACH_PATH (slot, paths, 0, count) mcv_absorb(world, slot);
 }
 
 #endif

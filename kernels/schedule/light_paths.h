@@ -12,6 +12,7 @@
 #include "schedule/classify_hits.h"
 #include "schedule/intersect_rows.h"
 #include "schedule/ranges.h"
+#include "schedule/shade_rows.h"
 #include "schedule/sort_paths.h"
 #include "schedule/surface_rows.h"
 #include "schedule/vectorize.h"
@@ -28,12 +29,12 @@ MCV_BATCH void mcv_classify_light_hits(mcv_world world, mcv_slot slot, uint coun
     MCV_VECTORIZE
     for (uint i = 0; i < count; ++i) {
         slot.index = i;
-        const uint kind = classes[i];
+        const uint class = classes[i];
         const int diffuse =
-            (kind == MCV_CLASS_DIFFUSE_TRIANGLE) | (kind == MCV_CLASS_DIFFUSE_EXACT);
+            (class == MCV_CLASS_DIFFUSE_TRIANGLE) | (class == MCV_CLASS_DIFFUSE_EXACT);
         const int carried = (MCV_WORD(slot, light_class, 0) & MCV_LIGHT_CARRIED) != 0u;
         classes[i] =
-            ((diffuse & !carried) | (kind >= MCV_CLASS_BLACK)) ? (uint)MCV_CLASS_MISS : kind;
+            ((diffuse & !carried) | (class >= MCV_CLASS_BLACK)) ? (uint)MCV_CLASS_MISS : class;
         MCV_STORE(slot, light_length, 0, MCV_LOAD(slot, light_length, 0) + MCV_LOAD(slot, hit, 0));
     }
     mcv_sort_paths(slot.base, classes, count, class_end);
@@ -51,60 +52,12 @@ MCV_BATCH void mcv_splat_light_paths(mcv_world world, mcv_slot slot, uint first,
                              mcv_draw(slot, depth, MCV_PAIR_CHOICE).x, splats, counts);
 }
 
-/* Sends a path on from a surface of a kind that is known: how the path continues, and in *fate
- * whether it does. */
-MCV_LOOP_FUNCTION mcv_light_path mcv_shade_light_hit(mcv_world world, mcv_slot slot,
-                                                     const mcv_interaction *interaction,
-                                                     mcv_shading shading, uint depth, uint *fate,
-                                                     uint *unmatched) {
-    const mcv_pair pair = mcv_draw(slot, depth, MCV_PAIR_SCATTER),
-                   choice = mcv_draw(slot, depth, MCV_PAIR_CHOICE);
-    mcv_light_path path = mcv_load_light_path(slot);
-    mcv_scattering other;
-    int unshaded = 0;
-    shading.splits = 0;
-    const mcv_scattering on = mcv_scatter_as(world, slot, interaction, shading, pair, choice.x, 0,
-                                             unmatched, &other, &unshaded);
-    const int goes_on =
-        mcv_continue_light_path(world, interaction, shading, on, depth, choice.y, &path);
-    *fate = unshaded ? (uint)MCV_UNSHADED : (uint)goes_on;
-    return path;
-}
-
-/* The same for the paths in the slots first … last - 1. */
-MCV_LOOP_FUNCTION void mcv_shade_light_range(mcv_world world, uint *paths, uint first, uint last,
-                                             mcv_shading shading, uint depth, uint *fate,
-                                             uint *unmatched) {
-    mcv_slot slot;
-    slot.base = paths;
-    MCV_VECTORIZE_MASKED
-    for (uint i = first; i < last; ++i) {
-        slot.index = i;
-        uint differs = 0u, what;
-        const mcv_interaction interaction = mcv_make_interaction(world, slot);
-        const mcv_light_path path =
-            mcv_shade_light_hit(world, slot, &interaction, shading, depth, &what, &differs);
-        mcv_store_light_step(slot, shading.kind == MCV_SHADING_GLOSS ? what == MCV_UNSHADED : 0,
-                             path);
-        unmatched[i] = differs;
-        fate[i] = what;
-    }
-}
-
 /* Sends the paths on from the surfaces that they have met; returns how many go on. */
 MCV_BATCH uint mcv_shade_light_hits(mcv_world world, mcv_slot slot, const uint *class_end,
                                     uint gloss, uint depth, uint *unmatched) {
-    const uint alive = class_end[MCV_CLASS_EXACT], smooth = class_end[MCV_CLASS_SMOOTH_EXACT];
-    uint fate[MCV_SLOTS], chosen[MCV_SLOTS], differs[MCV_SLOTS];
-    /* Where those begin that are sent on one by one. */
-    const uint alone = class_end[MCV_CLASS_DIFFUSE_TRIANGLE];
-    (void)gloss;
-#define MCV_SHADE(bsdf, first, last, shading) \
-    mcv_shade_light_range(world, slot.base, first, last, shading, depth, fate, differs);
-    MCV_EACH_RANGE(MCV_SHADE)
-#undef MCV_SHADE
-    for (uint i = 0; i < alone; ++i) *unmatched += differs[i];
-    for (uint i = alone; i < alive; ++i) fate[i] = MCV_UNSHADED;
+    const uint alive = class_end[MCV_LAST_CLASS], smooth = class_end[MCV_LAST_SMOOTH];
+    uint fate[MCV_SLOTS], chosen[MCV_SLOTS];
+    mcv_shade_ranges(world, slot.base, class_end, gloss, 1, depth, fate, unmatched);
     for (slot.index = smooth; slot.index < alive; ++slot.index) {
         if (fate[slot.index] != MCV_UNSHADED) continue;
         mcv_light_path path = mcv_load_light_path(slot);
@@ -126,35 +79,28 @@ MCV_BATCH void mcv_trace_light_slices(mcv_world world, uint first, uint last, __
     uint class_end[MCV_CLASS_COUNT], gloss;
     mcv_slot slot;
     slot.base = paths;
-#if MCV_WITH_GLOSS
-    mcv_gloss_interaction glosses[MCV_SLOTS];
+    mcv_gloss_interaction glosses[MCV_WITH_GLOSS ? MCV_SLOTS : 1];
     slot.glosses = glosses;
-#endif
     while (first < last) {
         uint alive = mcv_fill_light_slice(world, slot, &first, last);
         for (uint depth = 1; depth < world.frame->depth && alive > 0; ++depth) {
             counts[MCV_COUNTER_rays] += alive;
             mcv_intersect_paths(world, paths, alive);
             mcv_classify_light_hits(world, slot, alive, class_end, &gloss);
-            alive = class_end[MCV_CLASS_EXACT];
+            alive = class_end[MCV_LAST_CLASS];
             mcv_draw_pairs(paths, 0, alive, depth, MCV_PAIR_CHOICE);
-            mcv_draw_pairs(paths, class_end[MCV_CLASS_SMOOTH_EXACT], alive, depth,
-                           MCV_PAIR_EMITTER);
-            mcv_splat_light_paths(world, slot, class_end[MCV_CLASS_SMOOTH_EXACT], alive, depth,
-                                  splats, counts);
+            mcv_draw_pairs(paths, class_end[MCV_LAST_SMOOTH], alive, depth, MCV_PAIR_EMITTER);
+            mcv_splat_light_paths(world, slot, class_end[MCV_LAST_SMOOTH], alive, depth, splats,
+                                  counts);
             mcv_draw_pairs(paths, 0, alive, depth, MCV_PAIR_SCATTER);
-#if MCV_WITH_DIFFUSE
-            mcv_sample_diffuse_directions(paths, class_end[MCV_CLASS_SMOOTH_EXACT], alive);
-#endif
+            if (MCV_WITH_DIFFUSE)
+                mcv_sample_diffuse_directions(paths, class_end[MCV_LAST_SMOOTH], alive);
             alive = mcv_shade_light_hits(world, slot, class_end, gloss, depth,
                                          &counts[MCV_COUNTER_unmatched]);
         }
         counts[MCV_COUNTER_depth_cut] += alive;
-        for (slot.index = 0; slot.index < alive; ++slot.index) {
-            mcv_color throughput;
-            MCV_LOAD_COLOR(slot, throughput, throughput);
-            counts[MCV_COUNTER_lost] += mcv_lost_light(throughput);
-        }
+        for (slot.index = 0; slot.index < alive; ++slot.index)
+            counts[MCV_COUNTER_lost] += mcv_cut_light(mcv_path_throughput(slot));
     }
 }
 #else

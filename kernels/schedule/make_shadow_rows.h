@@ -12,17 +12,6 @@
 #include "stage/sample_emitters.h"
 
 #if MCV_WITH_NEXT_EVENT
-/* What comes to a path from the emitter that it has chosen. */
-MCV_LOOP_FUNCTION void mcv_put_shadow(mcv_world world, mcv_slot slot, mcv_receiver at, uint emitter,
-                                      mcv_shadow shadow) {
-    shadow = mcv_apply_selection(world, slot, at.point, emitter, shadow);
-    MCV_STORE_3(slot, shadow_origin, shadow.origin);
-    MCV_STORE_3(slot, shadow_direction, shadow.direction);
-    MCV_WORD(slot, shadow_target, 0) = shadow.target;
-    MCV_STORE_COLOR(slot, shadow_light, shadow.light);
-    MCV_STORE(slot, shadow_density, 0, shadow.density);
-}
-
 MCV_LOOP_FUNCTION mcv_shadow mcv_shadow_in(mcv_slot slot) {
     mcv_shadow shadow;
     shadow.origin = MCV_LOAD_3(slot, shadow_origin);
@@ -51,8 +40,7 @@ MCV_LOOP_FUNCTION void mcv_make_shadow_range(mcv_world world, mcv_slot slot, uin
 MCV_BATCH uint mcv_list_plain_shadows(mcv_world world, mcv_slot slot, const uint *class_end,
                                       uint gloss, uint *shadows) {
     uint casts[MCV_ROW];
-    const uint begin = class_end[MCV_CLASS_SMOOTH_EXACT],
-               end = class_end[MCV_CLASS_DIFFUSE_TRIANGLE];
+    const uint begin = class_end[MCV_LAST_SMOOTH], end = class_end[MCV_LAST_KNOWN];
     (void)gloss;
 #define MCV_MAKE_SHADOWS(bsdf, first, last, shading) \
     if (bsdf != MCV_SHADING_SMOOTH) mcv_make_shadow_range(world, slot, first, last, shading, casts);

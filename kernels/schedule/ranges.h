@@ -8,13 +8,7 @@
  *
  * The order of the list is the order of the slots after mcv_sort_paths: the paths of class c have
  * the slots mcv_class_begin(class_end, c) … class_end[c] - 1. Neighbours are one range wherever
- * that serves. From the order follows:
- *
- *   SMOOTH_TRIANGLE … SMOOTH_EXACT   sample no emitter and draw no direction; all others do
- *   SMOOTH_EXACT … GLOSS_EXACT       are on exact surfaces, as are those of EXACT
- *   GLOSS_TRIANGLE … TRIANGLE        are on triangles, as are those of SMOOTH_TRIANGLE
- *   SMOOTH_TRIANGLE … DIFFUSE_TRIANGLE   have a known BSDF; TRIANGLE and EXACT are shaded one by
- * one class_end[MCV_CLASS_EXACT]       is the number of paths that are still under way
+ * that serves: MCV_LAST_… names the ends of what the loops ask for.
  */
 #ifndef MCVISI_KERNELS_RANGES_H
 #define MCVISI_KERNELS_RANGES_H
@@ -48,6 +42,20 @@ enum {
     MCV_CLASS_MISS,
     MCV_CLASS_COUNT,
     MCV_CLASS_BLACK = MCV_CLASS_COUNT /* an absorber; plus 1 + emitter: that emitter's lamp */
+};
+
+/* What follows from the order: class_end of these is where the slots end of … */
+enum {
+    MCV_LAST_SMOOTH_TRIANGLE = MCV_CLASS_SMOOTH_TRIANGLE, /* smooth triangles, */
+    MCV_LAST_SMOOTH = MCV_CLASS_SMOOTH_EXACT, /* and all smooth bodies: they sample no emitter and
+                                                 draw no direction, all others do */
+    MCV_LAST_DIFFUSE_EXACT = MCV_CLASS_DIFFUSE_EXACT, /* diffuse exact surfaces; then all glossy */
+    MCV_LAST_KNOWN_EXACT = MCV_CLASS_GLOSS_EXACT,     /* exact surfaces but those of EXACT */
+    MCV_LAST_GLOSS = MCV_CLASS_GLOSS_TRIANGLE,        /* glossy surfaces; none after these splits */
+    MCV_LAST_KNOWN = MCV_CLASS_DIFFUSE_TRIANGLE, /* what has a known BSDF; the others are shaded
+                                                    one by one */
+    MCV_LAST_TRIANGLE = MCV_CLASS_TRIANGLE,      /* triangles */
+    MCV_LAST_CLASS = MCV_CLASS_EXACT             /* all paths that are still under way */
 };
 
 MCV_LOOP_FUNCTION uint mcv_class_begin(const uint *class_end, uint class) {

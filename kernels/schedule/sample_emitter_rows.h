@@ -139,10 +139,9 @@ MCV_BATCH void mcv_sample_points(mcv_world world, mcv_slot slot, uint emitter, c
 }
 #endif
 
-#if MCV_WITH_PARALLEL
-/* The chosen paths look for a parallel emitter in a direction, or at points of its surface. */
-MCV_BATCH void mcv_sample_parallel_rows(mcv_world world, mcv_slot slot, uint emitter,
-                                        const uint *chosen, uint count) {
+/* The chosen paths look for one emitter, in a direction or at points of its surface. */
+MCV_BATCH void mcv_sample_emitter_row(mcv_world world, mcv_slot slot, uint emitter,
+                                      const uint *chosen, uint count) {
     __global const mcv_device_emitter *e = world.emitters + emitter;
     uint by_direction[MCV_ROW], by_point[MCV_ROW], listed[MCV_ROW];
     MCV_VECTORIZE
@@ -154,26 +153,9 @@ MCV_BATCH void mcv_sample_parallel_rows(mcv_world world, mcv_slot slot, uint emi
     }
     const uint directions = mcv_compact_row(by_direction, chosen, count, listed);
     if (directions > 0) mcv_sample_directions(world, slot, emitter, listed, directions);
+#if MCV_WITH_EMISSION
     const uint points = mcv_compact_row(by_point, chosen, count, listed);
     if (points > 0) mcv_sample_points(world, slot, emitter, listed, points);
-}
-#endif
-
-/* The chosen paths look for one emitter. */
-MCV_BATCH void mcv_sample_emitter_row(mcv_world world, mcv_slot slot, uint emitter,
-                                      const uint *chosen, uint count) {
-    __global const mcv_device_emitter *e = world.emitters + emitter;
-#if MCV_WITH_PARALLEL
-    if (e->type == MCV_EMITTER_PARALLEL && e->parallel.from_receiver) {
-        mcv_sample_parallel_rows(world, slot, emitter, chosen, count);
-        return;
-    }
-#endif
-    if (mcv_samples_direction(e, mcv_vec(0.0f, 0.0f, 0.0f)))
-        mcv_sample_directions(world, slot, emitter, chosen, count);
-#if MCV_WITH_EMISSION
-    else
-        mcv_sample_points(world, slot, emitter, chosen, count);
 #endif
 }
 
@@ -231,8 +213,8 @@ MCV_BATCH void mcv_sample_emitter_rows(mcv_world world, mcv_slot slot, uint firs
  * many. */
 MCV_BATCH uint mcv_sample_emitters(mcv_world world, mcv_slot slot, const uint *class_end,
                                    uint gloss, uint depth, uint *shadows) {
-    const uint alive = class_end[MCV_CLASS_EXACT], smooth_end = class_end[MCV_CLASS_SMOOTH_EXACT],
-               known_end = class_end[MCV_CLASS_DIFFUSE_TRIANGLE];
+    const uint alive = class_end[MCV_LAST_CLASS], smooth_end = class_end[MCV_LAST_SMOOTH],
+               known_end = class_end[MCV_LAST_KNOWN];
     uint shadow_count = 0;
     (void)gloss;
     mcv_draw_pairs(slot.base, smooth_end, alive, depth, MCV_PAIR_EMITTER);

@@ -80,8 +80,7 @@ MCV_BATCH void mcv_select_emitter_rows(mcv_world world, mcv_slot slot, uint firs
  * where they make shadow rays (mcv_respond_as). */
 MCV_BATCH void mcv_select_plain_emitters(mcv_world world, mcv_slot slot, const uint *class_end,
                                          uint gloss) {
-    const uint first = class_end[MCV_CLASS_SMOOTH_EXACT],
-               last = class_end[MCV_CLASS_DIFFUSE_TRIANGLE];
+    const uint first = class_end[MCV_LAST_SMOOTH], last = class_end[MCV_LAST_KNOWN];
     uint *emitters = slot.base + MCV_PATH_emitter * MCV_ROW;
     (void)gloss;
     if (world.frame->emitter_count == 1u) {
@@ -90,9 +89,9 @@ MCV_BATCH void mcv_select_plain_emitters(mcv_world world, mcv_slot slot, const u
     }
 #if MCV_WITH_REACH
     const int two_sided = gloss != MCV_NONE && world.materials[gloss].scattering_sides == 2u;
-    mcv_select_emitter_rows(world, slot, first, last, class_end[MCV_CLASS_DIFFUSE_EXACT],
-                            two_sided ? class_end[MCV_CLASS_GLOSS_TRIANGLE]
-                                      : class_end[MCV_CLASS_DIFFUSE_EXACT]);
+    mcv_select_emitter_rows(world, slot, first, last, class_end[MCV_LAST_DIFFUSE_EXACT],
+                            two_sided ? class_end[MCV_LAST_GLOSS]
+                                      : class_end[MCV_LAST_DIFFUSE_EXACT]);
 #else
     uint chosen[MCV_SLOTS];
     for (uint i = first; i < last; ++i) chosen[i] = i;

@@ -9,7 +9,6 @@
 #include "stage/intersect_shadow.h"
 
 #if MCV_WITH_NEXT_EVENT
-#if MCV_WITH_SURFACES
 /*
  * mcv_shadow_past_solids of the paths first … last - 1: what their shadow rays hit, of triangles
  * (the given hits) and exact surfaces. A ray that ends at -INFINITY is none.
@@ -51,7 +50,6 @@ MCV_BATCH void mcv_shadows_past_solids(mcv_world world, const uint *paths, uint 
         hits.triangle[first + i] = exact.triangle[i];
     }
 }
-#endif
 
 /* No hits of the paths first … last - 1, and no rays. */
 MCV_BATCH void mcv_begin_shadows(mcv_hits hits, uint first, uint last) {
@@ -82,28 +80,25 @@ static void mcv_intersect_shadows(mcv_world world, uint *paths, const uint *list
     const mcv_hits hits = mcv_hits_in(rows, MCV_ROW);
     for (int any = !MCV_WITH_TARGETS; any < 2; ++any) {
         const uint *chosen = listed;
-        uint chosen_count = count;
-#if MCV_WITH_TARGETS
-        uint flags[MCV_SLOTS], of_kind[MCV_SLOTS];
-        for (uint i = 0; i < count; ++i)
-            flags[i] = mcv_shadow_is_any(mcv_slot_at(paths, listed[i])) == any;
-        chosen = of_kind;
-        chosen_count = mcv_compact_row(flags, listed, count, of_kind);
-#endif
+        uint flags[MCV_SLOTS], of_either[MCV_SLOTS], chosen_count = count;
+        if (MCV_WITH_TARGETS) {
+            for (uint i = 0; i < count; ++i)
+                flags[i] = mcv_shadow_is_any(mcv_slot_at(paths, listed[i])) == any;
+            chosen = of_either;
+            chosen_count = mcv_compact_row(flags, listed, count, of_either);
+        }
         if (chosen_count == 0u) continue;
         const uint first = chosen[0], last = chosen[chosen_count - 1u] + 1u;
         mcv_begin_shadows(hits, first, last);
         for (uint i = 0; i < chosen_count; ++i)
             hits.t[chosen[i]] = as_uint(mcv_shadow_end(mcv_slot_at(paths, chosen[i])));
         if (any)
-            MCV_TRACE_ANY(world.nodes, world.leaves, origins, directions, chosen, chosen_count,
-                          hits);
+            mcv_intersect_any_rays(world.nodes, world.leaves, origins, directions, chosen,
+                                   chosen_count, hits);
         else
-            MCV_TRACE_CLOSEST(world.nodes, world.leaves, origins, directions, chosen, chosen_count,
-                              hits);
-#if MCV_WITH_SURFACES
-        mcv_shadows_past_solids(world, paths, first, last, any, hits);
-#endif
+            mcv_intersect_closest_rays(world.nodes, world.leaves, origins, directions, chosen,
+                                       chosen_count, hits);
+        if (MCV_WITH_SURFACES) mcv_shadows_past_solids(world, paths, first, last, any, hits);
         for (uint i = 0; i < chosen_count && !any; ++i)
             if (!mcv_hits_target(world, mcv_slot_at(paths, chosen[i]), mcv_hit_of(hits, chosen[i])))
                 hits.t[chosen[i]] = as_uint(-INFINITY);

@@ -6,12 +6,12 @@
 
 #include "schedule/tile.h"
 
+#include "geometry/solids.h"
 #include "schedule/compact.h"
 #include "schedule/vectorize.h"
 #include "traverse/closest.h"
 #include "traverse/rows.h"
 
-#if MCV_WITH_SURFACES
 /* Rays side by side: rows of MCV_ROW words for each component. The directions are unit. */
 typedef struct mcv_ray_rows {
     const uint *origin, *direction, *origin_surface;
@@ -88,8 +88,8 @@ MCV_BATCH void mcv_take_exact_hits(mcv_world world, const uint *t, const uint *p
         const float before = as_float(hits.t[i]), here = as_float(t[i]);
         const uint triangle = hits.triangle[i];
         const int closer = (reaches[i] != 0u) & (here < before);
-        tied[i] = (reaches[i] != 0u) & (here == before) & (triangle >= MCV_EXACT) &
-                  (triangle != MCV_NONE);
+        tied[i] =
+            (reaches[i] != 0u) & (here == before) & mcv_is_exact(triangle) & (triangle != MCV_NONE);
         ties += tied[i];
         hits.t[i] = as_uint(closer ? here : before);
         hits.u[i] = closer ? 0u : hits.u[i];
@@ -129,6 +129,5 @@ MCV_BATCH void mcv_intersect_solid_rows(mcv_world world, mcv_ray_rows rays, uint
         mcv_take_exact_hits(world, t, pieces, number, count, reaches, hits);
     }
 }
-#endif
 
 #endif

@@ -65,18 +65,18 @@ MCV_BATCH void mcv_count_classes(const uint *classes, uint count, uint *class_en
  * the slots that they leave or get are sorted by class already.
  */
 MCV_BATCH void mcv_sort_paths(uint *paths, const uint *classes, uint count, uint *class_end) {
-    uint home[MCV_ROW], leaves[MCV_ROW], gets[MCV_ROW], from[MCV_SLOTS], to[MCV_SLOTS],
+    uint home[MCV_ROW], departs[MCV_ROW], receives[MCV_ROW], from[MCV_SLOTS], to[MCV_SLOTS],
         strays[MCV_SLOTS], next[MCV_CLASS_COUNT] = {0};
     mcv_count_classes(classes, count, class_end, home);
     MCV_VECTORIZE
     for (uint i = 0; i < mcv_fill_lanes(count); ++i) {
         const int moves = classes[i] != home[i], misses = classes[i] == MCV_CLASS_MISS,
                   ends = home[i] == MCV_CLASS_MISS;
-        leaves[i] = (uint)(moves & !misses);
-        gets[i] = (uint)(moves & !ends);
+        departs[i] = (uint)(moves & !misses);
+        receives[i] = (uint)(moves & !ends);
     }
-    const uint moves = mcv_compact_indices(leaves, count, strays);
-    mcv_compact_indices(gets, count, to);
+    const uint moves = mcv_compact_indices(departs, count, strays);
+    mcv_compact_indices(receives, count, to);
     for (uint k = 0; k < moves; ++k) ++next[classes[strays[k]] + 1u];
     for (uint c = 1; c < MCV_CLASS_COUNT; ++c) next[c] += next[c - 1u];
     for (uint k = 0; k < moves; ++k) from[next[classes[strays[k]]]++] = strays[k];

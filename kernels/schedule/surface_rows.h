@@ -18,7 +18,6 @@ MCV_LOOP_FUNCTION void mcv_find_triangles(mcv_world world, uint *paths, uint fir
     MCV_EACH_PATH (slot, paths, first, last) mcv_find_triangle(world, slot);
 }
 
-#if MCV_WITH_SURFACES
 MCV_LOOP_FUNCTION int mcv_hits_quadric(mcv_world world, uint hit) {
     return mcv_is_quadric(world.solids + mcv_solid_of(hit), mcv_piece_of(hit));
 }
@@ -47,15 +46,13 @@ MCV_BATCH void mcv_find_exacts(mcv_world world, uint *paths, uint first, uint la
         if (!mcv_hits_quadric(world, hits[slot.index]))
             mcv_find_exact(world, slot, hits[slot.index], 0);
 }
-#endif
 
 MCV_BATCH void mcv_find_surfaces(mcv_world world, uint *paths, const uint *class_end) {
-    const uint first_end = class_end[MCV_CLASS_SMOOTH_TRIANGLE],
-               second = class_end[MCV_CLASS_GLOSS_EXACT],
-               second_end = class_end[MCV_CLASS_TRIANGLE];
+    const uint first_end = class_end[MCV_LAST_SMOOTH_TRIANGLE],
+               second = class_end[MCV_LAST_KNOWN_EXACT], second_end = class_end[MCV_LAST_TRIANGLE];
 #if MCV_CACHED && !MCV_WITH_NORMALS
     if (world.frame->triangle_count - 1u < MCV_CACHED &&
-        class_end[MCV_CLASS_EXACT] >= 2 * MCV_CACHED) {
+        class_end[MCV_LAST_CLASS] >= 2 * MCV_CACHED) {
         mcv_facet_table table;
         mcv_fill_facets(world, &table);
         mcv_find_cached_triangles(paths, &table, 0, first_end);
@@ -66,14 +63,12 @@ MCV_BATCH void mcv_find_surfaces(mcv_world world, uint *paths, const uint *class
         mcv_find_triangles(world, paths, 0, first_end);
         mcv_find_triangles(world, paths, second, second_end);
     }
-#if MCV_WITH_SURFACES
-    mcv_find_exacts(world, paths, first_end, class_end[MCV_CLASS_SMOOTH_EXACT]);
-    mcv_find_exacts(world, paths, class_end[MCV_CLASS_SMOOTH_EXACT], second);
-    mcv_find_exacts(world, paths, second_end, class_end[MCV_CLASS_EXACT]);
-#endif
+    if (!MCV_WITH_SURFACES) return;
+    mcv_find_exacts(world, paths, first_end, class_end[MCV_LAST_SMOOTH]);
+    mcv_find_exacts(world, paths, class_end[MCV_LAST_SMOOTH], second);
+    mcv_find_exacts(world, paths, second_end, class_end[MCV_LAST_CLASS]);
 }
 
-#if MCV_WITH_PLAIN
 MCV_LOOP_FUNCTION mcv_color mcv_reflectance_of(mcv_world world, uint instance) {
     mcv_color reflectance;
     MCV_EACH_CHANNEL(c)
@@ -107,18 +102,15 @@ MCV_BATCH void mcv_find_reflectances(mcv_world world, uint *paths, uint first, u
         MCV_EACH_CHANNEL(c) rows[c * MCV_ROW + i] = as_uint(reflectance.c[c]);
     }
 }
-#endif
 
 /* What is known of the surfaces that the paths have hit, for all of them. */
 static void mcv_find_interactions(mcv_world world, uint *paths, const uint *class_end) {
     mcv_find_surfaces(world, paths, class_end);
-#if MCV_WITH_PLAIN
+    if (!MCV_WITH_PLAIN) return;
     /* In this order: the first call overwrites words of the second one's range. */
-    mcv_find_reflectances(world, paths, class_end[MCV_CLASS_SMOOTH_EXACT],
-                          class_end[MCV_CLASS_DIFFUSE_EXACT]);
-    mcv_find_reflectances(world, paths, class_end[MCV_CLASS_GLOSS_TRIANGLE],
-                          class_end[MCV_CLASS_DIFFUSE_TRIANGLE]);
-#endif
+    mcv_find_reflectances(world, paths, class_end[MCV_LAST_SMOOTH],
+                          class_end[MCV_LAST_DIFFUSE_EXACT]);
+    mcv_find_reflectances(world, paths, class_end[MCV_LAST_GLOSS], class_end[MCV_LAST_KNOWN]);
 }
 
 /* Draws one of the pairs of random numbers of the surfaces. */
@@ -132,7 +124,6 @@ MCV_BATCH void mcv_draw_pairs(uint *paths, uint first, uint last, uint depth, ui
     }
 }
 
-#if MCV_WITH_DIFFUSE
 /* The directions in which the surfaces reflect if they are diffuse. */
 MCV_BATCH void mcv_sample_diffuse_directions(uint *paths, uint first, uint last) {
     MCV_VECTORIZE
@@ -145,9 +136,7 @@ MCV_BATCH void mcv_sample_diffuse_directions(uint *paths, uint first, uint last)
         MCV_STORE(slot, bounce, 3, density);
     }
 }
-#endif
 
-#if MCV_LEAVES_TOGETHER
 /* The origins of the rays that leave the surfaces, in the directions that they have got. */
 MCV_BATCH void mcv_offset_origins(uint *paths, uint count) {
     MCV_VECTORIZE
@@ -158,6 +147,5 @@ MCV_BATCH void mcv_offset_origins(uint *paths, uint count) {
         MCV_STORE_3(slot, origin, origin);
     }
 }
-#endif
 
 #endif

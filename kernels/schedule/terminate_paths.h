@@ -14,29 +14,24 @@
 #include "stage/shade_hit.h"
 #include "stage/sample_emitters.h"
 
-/* Of the paths of a kind the rows first … last - 1, side by side in `apart`; returns how many paths
- * there are. */
-MCV_BATCH uint mcv_set_apart(const uint *paths, const uint *classes, uint kind, uint count,
+/* Of the paths of a class the rows first … last - 1, side by side in `apart`; returns how many
+ * paths there are. */
+MCV_BATCH uint mcv_set_apart(const uint *paths, const uint *classes, uint class, uint count,
                              uint first, uint last, uint *apart) {
-    uint flags[MCV_SLOTS], found = 0;
+    uint flags[MCV_SLOTS];
     MCV_VECTORIZE
-    for (uint i = 0; i < count; ++i) {
-        flags[i] = classes[i] == kind;
-        found += flags[i];
-    }
-    if (found > 0)
-        mcv_compact_rows(flags, paths + first * MCV_ROW, last - first, MCV_ROW, count,
-                         apart + first * MCV_ROW);
-    return found;
+    for (uint i = 0; i < count; ++i) flags[i] = classes[i] == class;
+    return mcv_compact_rows(flags, paths + first * MCV_ROW, last - first, MCV_ROW, count,
+                            apart + first * MCV_ROW);
 }
 
 /* The rows that matter to a path that leaves the scene. */
 #if MCV_WITH_ENVIRONMENT_IMAGE || MCV_WITH_DISPERSION
-#define MCV_LEAVES_BEGIN MCV_PATH_origin
-#define MCV_LEAVES_END (MCV_PATH_hit + 4)
+#define MCV_MISS_BEGIN MCV_PATH_origin
+#define MCV_MISS_END (MCV_PATH_hit + 4)
 #else
-#define MCV_LEAVES_BEGIN (MCV_WITH_ENVIRONMENT ? MCV_PATH_throughput : MCV_PATH_weight)
-#define MCV_LEAVES_END MCV_PATH_density
+#define MCV_MISS_BEGIN (MCV_WITH_ENVIRONMENT ? MCV_PATH_throughput : MCV_PATH_weight)
+#define MCV_MISS_END MCV_PATH_density
 #endif
 
 /* Those of the paths end that have met nothing. */
@@ -78,15 +73,13 @@ MCV_LOOP_FUNCTION uint mcv_shade_lamp_hits(mcv_world world, uint *apart, uint co
             facet = mcv_facet_of(world, triangle);
         const mcv_surface there =
             mcv_surface_on(facet, MCV_LOAD(slot, hit, 1), MCV_LOAD(slot, hit, 2));
-        const int shines = mcv_shines(e, there.face, there.normal, mcv_scale(direction, -1.0f));
+        const float sent =
+            mcv_radiance_share(e, there.face, there.normal, mcv_scale(direction, -1.0f));
         mcv_emitter_hit met;
         met.emitter = emitter;
         met.other = 0.0f;
         met.share = shares[slot.index];
-        MCV_EACH_CHANNEL(c) {
-            const float full = e->radiance[c];
-            met.radiance.c[c] = shines ? full : 0.0f;
-        }
+        MCV_EACH_CHANNEL(c) met.radiance.c[c] = e->radiance[c] * sent;
 #if MCV_WITH_NEXT_EVENT
         float share;
 #if MCV_WITH_RECTANGLE
@@ -102,9 +95,8 @@ MCV_LOOP_FUNCTION uint mcv_shade_lamp_hits(mcv_world world, uint *apart, uint co
                 mcv_density_towards(e, two != 0, share, receiver, there, direction, distance);
 #endif
 #if MCV_WITH_DISPERSION
-        mcv_color throughput;
-        MCV_LOAD_COLOR(slot, throughput, throughput);
-        mcv_add_emission(mcv_in_channel(world, mcv_kept_channel(throughput)), slot, &met);
+        mcv_add_emission(mcv_in_channel(world, mcv_kept_channel(mcv_path_throughput(slot))), slot,
+                         &met);
 #else
         mcv_add_emission(world, slot, &met);
 #endif
@@ -149,14 +141,14 @@ MCV_BATCH uint mcv_terminate_at_lamp(mcv_world world, uint *apart, uint count, u
 }
 #endif
 
-/* Those of the paths end that have met nothing or what absorbs all light, whose kind is then that
- * of nothing, too. Returns how many values are not finite. */
+/* Those of the paths end that have met nothing or what absorbs all light, whose class is then MISS,
+ * too. Returns how many values are not finite. */
 MCV_BATCH uint mcv_terminate_early(mcv_world world, uint *paths, uint *classes, uint count,
                                    uint depth, float *values) {
     MCV_ALIGNED uint apart[(MCV_PATH_hit + 4) * MCV_ROW];
     uint flags[MCV_SLOTS], ended[MCV_SLOTS], black = 0;
-    uint ending = mcv_set_apart(paths, classes, MCV_CLASS_MISS, count, MCV_LEAVES_BEGIN,
-                                MCV_LEAVES_END, apart);
+    uint ending =
+        mcv_set_apart(paths, classes, MCV_CLASS_MISS, count, MCV_MISS_BEGIN, MCV_MISS_END, apart);
     uint nonfinite = mcv_shade_misses(world, apart, ending, values);
     (void)depth;
     MCV_VECTORIZE

@@ -75,7 +75,7 @@ MCV_BATCH void mcv_cut_paths(mcv_world world, uint *paths, uint alive, float *va
                              uint *counts) {
     uint ended[MCV_SLOTS];
     MCV_EACH_PATH (slot, paths, 0, alive) {
-        counts[MCV_COUNTER_lost] += mcv_lost_energy(slot);
+        counts[MCV_COUNTER_lost] += mcv_cut_path(slot);
         ended[slot.index] = slot.index;
     }
     counts[MCV_COUNTER_nonfinite] += mcv_terminate_paths(world, paths, ended, alive, values);
@@ -92,10 +92,8 @@ MCV_BATCH void mcv_render_slice(mcv_world world, uint slice, __global float *sum
     uint counts[MCV_COUNTER_COUNT] = {0};
     uint branches = 1; /* that a sample may have by now */
     mcv_slot slot = mcv_slot_at(paths, 0);
-#if MCV_WITH_GLOSS
-    mcv_gloss_interaction glosses[MCV_SLOTS];
+    mcv_gloss_interaction glosses[MCV_WITH_GLOSS ? MCV_SLOTS : 1];
     slot.glosses = glosses;
-#endif
     MCV_CLOCK_BEGIN
     mcv_clear_values(values, 0);
     uint alive = mcv_begin_paths(world, paths, first, count);
@@ -110,7 +108,7 @@ MCV_BATCH void mcv_render_slice(mcv_world world, uint slice, __global float *sum
             mcv_terminate_early(world, paths, classes, alive, depth, values);
         mcv_sort_paths(paths, classes, alive, class_end);
         mcv_find_interactions(world, paths, class_end);
-        alive = class_end[MCV_CLASS_EXACT];
+        alive = class_end[MCV_LAST_CLASS];
         if (mcv_needs_choice(world.frame, depth))
             mcv_draw_pairs(paths, 0, alive, depth, MCV_PAIR_CHOICE);
 #if MCV_WITH_NEXT_EVENT

@@ -29,9 +29,7 @@ static uint mcv_trace_path(mcv_world world, mcv_slot slot, mcv_device_ray ray, u
     on.media = ray.media;
     on.event = MCV_EVENT_START;
     uint triangle = MCV_NONE;
-#if MCV_WITH_SURFACES
     uint origin_surface = MCV_NONE;
-#endif
     uint unmatched = 0;
     const mcv_vec3 nothing = mcv_vec(0.0f, 0.0f, 0.0f);
     mcv_vec3 point_rest = nothing, normal_rest = nothing, direction_low = nothing;
@@ -53,10 +51,7 @@ static uint mcv_trace_path(mcv_world world, mcv_slot slot, mcv_device_ray ray, u
         vertex->distance = distance;
         vertex->triangle = triangle;
         vertex->event = on.event;
-        vertex->medium = 0;
-#if MCV_WITH_DIELECTRIC
-        vertex->medium = mcv_filling_medium(on.media);
-#endif
+        vertex->medium = MCV_WITH_DIELECTRIC ? mcv_filling_medium(on.media) : 0u;
         vertex->transmittance = transmittance;
         vertex->radiance = radiance;
         vertex->distance_rest = distance_rest;
@@ -71,12 +66,8 @@ static uint mcv_trace_path(mcv_world world, mcv_slot slot, mcv_device_ray ray, u
         MCV_STORE_3(slot, origin, origin);
         MCV_STORE_3(slot, direction, direction);
         MCV_STORE_COLOR(slot, throughput, mcv_grey(transmittance));
-#if MCV_WITH_DIELECTRIC
-        MCV_WORD(slot, media, 0) = on.media;
-#endif
-#if MCV_WITH_SURFACES
-        MCV_WORD(slot, origin_surface, 0) = origin_surface;
-#endif
+        if (MCV_WITH_DIELECTRIC) MCV_WORD(slot, media, 0) = on.media;
+        if (MCV_WITH_SURFACES) MCV_WORD(slot, origin_surface, 0) = origin_surface;
         mcv_intersect_closest(world, slot);
         triangle = MCV_WORD(slot, hit, 3);
         distance = MCV_LOAD(slot, hit, 0);
@@ -130,9 +121,7 @@ static uint mcv_trace_path(mcv_world world, mcv_slot slot, mcv_device_ray ray, u
 #if MCV_WITH_MIXED
         origin_low = mcv_onward_low(&onward, onward.ray.origin, origin);
 #endif
-#if MCV_WITH_SURFACES
         origin_surface = mcv_origin_surface_of(world, interaction, on.direction);
-#endif
         if (on.event == MCV_EVENT_END)
             on.direction = mcv_vec(0.0f, 0.0f, 0.0f);
         else

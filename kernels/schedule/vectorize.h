@@ -12,7 +12,8 @@
  * PoCL's front end cannot vectorise such a loop before its back end has inlined fma, hence the
  * diagnostic that is ignored. The body calls nothing but MCV_LOOP_FUNCTION (mcvisi/dialect.h).
  *
- * MCV_BATCH is how a function is declared that holds such loops. It is not inlined: PoCL makes
+ * MCV_BATCH is how a function is declared that holds such loops. `inline` only says that a program
+ * may not need it. It is not inlined: PoCL makes
  * three functions of a kernel, of which it calls one, and would compile each loop three times. For
  * AVX-512 it says, too, that registers of 16 lanes are wanted; tuned for Skylake to Ice Lake
  * clang 14 takes those of 8 otherwise. (Seen with clang 14, and in PoCL with LLVM 15;
@@ -25,18 +26,18 @@
 
 #if MCV_TILE && defined(__clang__) && defined(__AVX512F__)
 #pragma clang diagnostic ignored "-Wpass-failed"
-#define MCV_BATCH static __attribute__((noinline, min_vector_width(512)))
+#define MCV_BATCH static inline __attribute__((noinline, min_vector_width(512)))
 #define MCV_VECTORIZE _Pragma("clang loop vectorize(assume_safety) vectorize_width(16)")
 /* Where an iteration takes long: the remainder, too, runs as one, with masks. */
 #define MCV_VECTORIZE_MASKED \
     _Pragma("clang loop vectorize(assume_safety) vectorize_width(16) vectorize_predicate(enable)")
 #elif MCV_TILE && defined(__clang__)
 #pragma clang diagnostic ignored "-Wpass-failed"
-#define MCV_BATCH static __attribute__((noinline))
+#define MCV_BATCH static inline __attribute__((noinline))
 #define MCV_VECTORIZE _Pragma("clang loop vectorize(assume_safety) vectorize_width(8)")
 #define MCV_VECTORIZE_MASKED MCV_VECTORIZE
 #else
-#define MCV_BATCH static
+#define MCV_BATCH static inline
 #define MCV_VECTORIZE
 #define MCV_VECTORIZE_MASKED
 #endif

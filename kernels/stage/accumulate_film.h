@@ -37,12 +37,13 @@ MCV_FUNCTION float mcv_path_value(mcv_world world, mcv_slot slot, uint channel, 
     return 0.0f;
 }
 
-/*
- * Adds the numbers high + low of each block of so many: block i's sum is then number i. Level by
- * level through the trees of all blocks at once. In place: a sum lies before the next ones'
- * summands, in vectorised loops, too.
- */
+/* So many numbers mcv_tree_sums adds. */
+#define MCV_SUMMED (MCV_TILE ? MCV_SLICE : MCV_BLOCK)
+
+/* Adds the numbers high + low of each block of so many: block i's sum is then number i. Level by
+ * level through the trees of all blocks at once. */
 MCV_LOOP_FUNCTION void mcv_tree_sums(float *highs, float *lows, uint count, uint block) {
+    float high_sums[MCV_SUMMED / 2], low_sums[MCV_SUMMED / 2];
     for (uint size = block; size > 1u; size /= 2u) {
         count /= 2u;
         MCV_VECTORIZE
@@ -50,8 +51,13 @@ MCV_LOOP_FUNCTION void mcv_tree_sums(float *highs, float *lows, uint count, uint
             const mcv_float_pair a = {highs[2u * i], lows[2u * i]};
             const mcv_float_pair b = {highs[2u * i + 1u], lows[2u * i + 1u]};
             const mcv_float_pair both = mcv_add_pairs(a, b);
-            highs[i] = both.high;
-            lows[i] = both.low;
+            high_sums[i] = both.high;
+            low_sums[i] = both.low;
+        }
+        MCV_VECTORIZE
+        for (uint i = 0; i < count; ++i) {
+            highs[i] = high_sums[i];
+            lows[i] = low_sums[i];
         }
     }
 }

@@ -92,16 +92,11 @@ MCV_FUNCTION int mcv_connect_light_path(mcv_world world, mcv_interaction interac
     if (path.etendue > 0.0f)
         value = mcv_dim(value, mcv_light_share(world, path.etendue,
                                                mcv_sensor_footprint(world.sensor, point.z)));
-#if MCV_WITH_ABSORPTION
     value = mcv_tint(value, mcv_medium_transmittance(world, response.media, point.z * d));
-#endif
     connection->origin = mcv_offset_origin(interaction.surface.point, interaction.surface.error,
                                            interaction.face, out);
     connection->end = seen.origin;
-    connection->origin_surface = MCV_NONE;
-#if MCV_WITH_SURFACES
     connection->origin_surface = mcv_origin_surface_of(world, interaction, out);
-#endif
     connection->media = response.media;
     connection->value = value;
     return mcv_brightest(response.value) > 0.0f;
@@ -123,7 +118,7 @@ MCV_FUNCTION mcv_color mcv_connection_transmittance(mcv_world world, mcv_connect
         if (hit.triangle == MCV_NONE) return transmittance;
         const mcv_interaction interaction =
             mcv_meet_at(mcv_hit_surface(world, connection.origin, way, hit), mcv_normalize(way));
-        if (plates == 0 || !mcv_is_sheet(world, interaction)) return mcv_grey(0.0f);
+        if (plates == 0 || !mcv_is_plate(world, interaction)) return mcv_grey(0.0f);
         const mcv_scattering on = mcv_scatter(world, interaction, connection.media, never_reflect,
                                               0.0f, 0, &counts[MCV_COUNTER_unmatched], &other);
         if (on.event != MCV_EVENT_PASS) return mcv_grey(0.0f);
@@ -131,19 +126,16 @@ MCV_FUNCTION mcv_color mcv_connection_transmittance(mcv_world world, mcv_connect
         if (!(mcv_brightest(transmittance) > 0.0f)) return transmittance;
         connection.origin = mcv_offset_origin(interaction.surface.point, interaction.surface.error,
                                               interaction.face, way);
-#if MCV_WITH_SURFACES
         connection.origin_surface = mcv_mark_origin_surface(world, interaction.surface, way);
-#endif
     }
 #else
     ++counts[MCV_COUNTER_shadow_rays];
     const mcv_vec3 way = mcv_sub(connection.end, connection.origin);
     int blocked = mcv_intersect_any_ray(world.nodes, world.leaves, connection.origin, way, 1.0f);
-#if MCV_WITH_SURFACES
-    blocked = blocked || mcv_intersect_solids_along(world, connection.origin, way,
-                                                    connection.origin_surface, mcv_miss(1.0f))
-                                 .triangle != MCV_NONE;
-#endif
+    if (MCV_WITH_SURFACES)
+        blocked = blocked || mcv_intersect_solids_along(world, connection.origin, way,
+                                                        connection.origin_surface, mcv_miss(1.0f))
+                                     .triangle != MCV_NONE;
     (void)plates;
     return blocked ? mcv_grey(0.0f) : transmittance;
 #endif

@@ -28,59 +28,46 @@ static void mcv_leave_precisely(mcv_world world, mcv_slot slot, const mcv_intera
 }
 #endif
 
-/*
- * The path continues from the surface. skipped: 1 leaves it as it is; known to the compiler where
- * that cannot be. Where origins are worked out for many paths at once, after all else, the old one
- * stays.
- */
+/* The ray of a path, of the camera's or of light, that continues from the surface: all but its
+ * origin. skipped: 1 leaves it as it is; known to the compiler where that cannot be. */
+MCV_LOOP_FUNCTION void mcv_continue_ray(mcv_world world, mcv_slot slot,
+                                        const mcv_interaction *interaction, mcv_shading shading,
+                                        mcv_scattering on, mcv_color throughput, int skipped) {
+    const mcv_vec3 direction = mcv_choose(skipped, interaction->direction, on.direction);
+    MCV_STORE_3(slot, direction, direction);
+    if (MCV_WITH_SURFACES)
+        MCV_REPLACE_WORD(slot, origin_surface, 0, skipped,
+                         shading.exact ? mcv_origin_surface_of(world, *interaction, on.direction)
+                                       : MCV_NONE);
+    MCV_EACH_CHANNEL(i) MCV_REPLACE(slot, throughput, i, skipped, throughput.c[i]);
+    if (MCV_WITH_DIELECTRIC) MCV_REPLACE_WORD(slot, media, 0, skipped, on.media);
+}
+
+/* A camera path continues from the surface. Where origins are worked out for many paths at once,
+ * after all else, the old one stays. */
 MCV_LOOP_FUNCTION void mcv_continue_path(mcv_world world, mcv_slot slot,
                                          const mcv_interaction *interaction, mcv_shading shading,
                                          mcv_scattering on, mcv_color throughput, int skipped) {
 #if MCV_WITH_MIXED
     mcv_leave_precisely(world, slot, interaction, mcv_path_media(slot), &on);
-#elif !MCV_LEAVES_TOGETHER
+#elif !MCV_OFFSETS_TOGETHER
     MCV_STORE_3(slot, origin, mcv_onward_origin(*interaction, on.direction));
 #endif
-    const mcv_vec3 direction = mcv_choose(skipped, interaction->direction, on.direction);
-    MCV_STORE_3(slot, direction, direction);
-    /* Values are chosen among, not places in memory: with these a loop over paths would not be
-     * vectorised. */
-#if MCV_WITH_SURFACES
-    const uint origin_surface =
-        shading.exact ? mcv_origin_surface_of(world, *interaction, on.direction) : MCV_NONE;
-    const uint surface_before = MCV_WORD(slot, origin_surface, 0);
-    MCV_WORD(slot, origin_surface, 0) = skipped ? surface_before : origin_surface;
-#endif
-    MCV_EACH_CHANNEL(i) {
-        const float before = MCV_LOAD(slot, throughput, i);
-        const float carried = throughput.c[i];
-        MCV_STORE(slot, throughput, i, skipped ? before : carried);
-    }
-#if MCV_WITH_DIELECTRIC
-    const uint media_before = MCV_WORD(slot, media, 0);
-    const uint media = on.media;
-    MCV_WORD(slot, media, 0) = skipped ? media_before : media;
-#endif
-#if MCV_WITH_NEXT_EVENT
-    const float density_before = MCV_LOAD(slot, density, 0);
-    const float density = on.density;
-    MCV_STORE(slot, density, 0, skipped ? density_before : density);
-#endif
+    mcv_continue_ray(world, slot, interaction, shading, on, throughput, skipped);
+    if (MCV_WITH_NEXT_EVENT) MCV_REPLACE(slot, density, 0, skipped, on.density);
 #if MCV_WITH_LIGHT_TRACING
     const uint path_class = MCV_WORD(slot, path_class, 0);
     mcv_update_path_class(world, slot, interaction, shading, on);
     MCV_WORD(slot, path_class, 0) = skipped ? path_class : MCV_WORD(slot, path_class, 0);
 #endif
-    (void)world, (void)shading;
 }
 
-#if MCV_WITH_NEXT_EVENT && MCV_WITH_REACH
 /* After what this surface emits, which the chances of the surface before are for, and before a
  * branch takes them over. */
 MCV_LOOP_FUNCTION void mcv_keep_selection(mcv_slot slot) {
+    if (!(MCV_WITH_NEXT_EVENT && MCV_WITH_REACH)) return;
     MCV_WORD(slot, selection, 0) = MCV_WORD(slot, selection_here, 0);
     MCV_WORD(slot, selection, 1) = MCV_WORD(slot, selection_here, 1);
 }
-#endif
 
 #endif

@@ -6,6 +6,7 @@
 
 #include "path/identity.h"
 #include "path/camera_path.h"
+#include "path/dispersion.h"
 #include "path/sensor_ray.h"
 
 /* 1 if the path has begun. */
@@ -54,21 +55,11 @@ MCV_LOOP_FUNCTION int mcv_generate_ray(mcv_world world, mcv_slot slot, mcv_ident
     MCV_STORE_3(slot, origin, ray.origin);
     MCV_STORE_3(slot, direction, ray.direction);
 #endif
-#if MCV_WITH_DIELECTRIC
-    MCV_WORD(slot, media, 0) = world.frame->initial_media;
-#endif
-#if MCV_WITH_SURFACES
-    MCV_WORD(slot, origin_surface, 0) = MCV_NONE;
-#endif
-#if MCV_WITH_NEXT_EVENT
-    MCV_STORE(slot, density, 0, 0.0f);
-#endif
-#if MCV_WITH_LIGHT_TRACING
-    MCV_WORD(slot, path_class, 0) = MCV_PATH_CLASS_STRAIGHT;
-#endif
-#if MCV_WITH_SPLIT
-    MCV_WORD(slot, branch, 0) = 0u;
-#endif
+    if (MCV_WITH_DIELECTRIC) MCV_WORD(slot, media, 0) = world.frame->initial_media;
+    if (MCV_WITH_SURFACES) MCV_WORD(slot, origin_surface, 0) = MCV_NONE;
+    if (MCV_WITH_NEXT_EVENT) MCV_STORE(slot, density, 0, 0.0f);
+    if (MCV_WITH_LIGHT_TRACING) MCV_WORD(slot, path_class, 0) = MCV_PATH_CLASS_STRAIGHT;
+    if (MCV_WITH_SPLIT) MCV_WORD(slot, branch, 0) = 0u;
     MCV_WORD(slot, stream, 0) = id.stream;
     MCV_WORD(slot, sample, 0) = id.sample;
     return weight > 0.0f;

@@ -63,9 +63,7 @@ static mcv_aimed mcv_follow(mcv_world world, mcv_film_sample film, float p_x, fl
         if (on.event == MCV_EVENT_END) return aimed;
         origin = mcv_onward_origin(interaction, on.direction);
         direction = on.direction;
-#if MCV_WITH_SURFACES
         origin_surface = mcv_origin_surface_of(world, interaction, direction);
-#endif
         media = on.media;
     }
     return aimed;

@@ -8,31 +8,22 @@
 #include "path/media.h"
 #include "traverse/closest.h"
 
-#if MCV_WITH_ABSORPTION
 /* What the way to the hit leaves; of a ray that meets nothing t is infinite. */
 MCV_LOOP_FUNCTION void mcv_absorb(mcv_world world, mcv_slot slot) {
-    mcv_color throughput;
-    MCV_LOAD_COLOR(slot, throughput, throughput);
-    throughput = mcv_tint(throughput, mcv_medium_transmittance(world, MCV_WORD(slot, media, 0),
-                                                               MCV_LOAD(slot, hit, 0)));
+    const mcv_color throughput =
+        mcv_tint(mcv_path_throughput(slot),
+                 mcv_medium_transmittance(world, mcv_path_media(slot), MCV_LOAD(slot, hit, 0)));
     MCV_STORE_COLOR(slot, throughput, throughput);
 }
-#endif
 
 MCV_FUNCTION void mcv_intersect_closest(mcv_world world, mcv_slot slot) {
-    uint origin_surface = MCV_NONE;
-#if MCV_WITH_SURFACES
-    origin_surface = MCV_WORD(slot, origin_surface, 0);
-#endif
-    const mcv_hit hit =
-        mcv_closest(world, MCV_LOAD_3(slot, origin), MCV_LOAD_3(slot, direction), origin_surface);
+    const mcv_hit hit = mcv_closest(world, MCV_LOAD_3(slot, origin), MCV_LOAD_3(slot, direction),
+                                    mcv_path_origin_surface(slot));
     MCV_STORE(slot, hit, 0, hit.t);
     MCV_STORE(slot, hit, 1, hit.u);
     MCV_STORE(slot, hit, 2, hit.v);
     MCV_WORD(slot, hit, 3) = hit.triangle;
-#if MCV_WITH_ABSORPTION
-    mcv_absorb(world, slot);
-#endif
+    if (MCV_WITH_ABSORPTION) mcv_absorb(world, slot);
 }
 
 #endif

@@ -23,19 +23,13 @@ MCV_LOOP_FUNCTION void mcv_add_shadow_light(mcv_world world, mcv_slot slot, mcv_
         if (texture != MCV_NONE) light = mcv_tint(light, mcv_texture_at(world, there, texture));
     }
 #endif
-#if MCV_WITH_ABSORPTION
-    const mcv_vec3 direction = MCV_LOAD_3(slot, shadow_direction);
-#if MCV_WITH_GLOSS
-    const uint media = MCV_WORD(slot, shadow_media, 0);
-#else
-    const uint media = MCV_WORD(slot, media, 0);
-#endif
-    light =
-        mcv_tint(light, mcv_medium_transmittance(world, lit ? media : 0u,
-                                                 hit.t * mcv_sqrt(mcv_dot(direction, direction))));
-#else
-    (void)world, (void)hit;
-#endif
+    if (MCV_WITH_ABSORPTION) {
+        const mcv_vec3 direction = MCV_LOAD_3(slot, shadow_direction);
+        const uint media =
+            MCV_WITH_GLOSS ? MCV_WORD(slot, shadow_media, 0) : MCV_WORD(slot, media, 0);
+        const float way = hit.t * mcv_sqrt(mcv_dot(direction, direction));
+        light = mcv_tint(light, mcv_medium_transmittance(world, lit ? media : 0u, way));
+    }
     MCV_LOAD_COLOR(slot, radiance, radiance);
     MCV_EACH_CHANNEL(i) radiance.c[i] = lit ? radiance.c[i] + light.c[i] : radiance.c[i];
     MCV_STORE_COLOR(slot, radiance, radiance);
@@ -59,15 +53,10 @@ static int mcv_hits_target(mcv_world world, mcv_slot slot, mcv_hit hit) {
 
 /* What the shadow ray meets, of triangles (the given hit) and exact surfaces. */
 MCV_FUNCTION mcv_hit mcv_shadow_past_solids(mcv_world world, mcv_slot slot, mcv_hit hit) {
-#if MCV_WITH_SURFACES
-    if (hit.triangle != MCV_NONE && mcv_shadow_is_any(slot)) return hit;
-    hit = mcv_intersect_solids_along(world, MCV_LOAD_3(slot, shadow_origin),
-                                     MCV_LOAD_3(slot, shadow_direction),
-                                     MCV_WORD(slot, shadow_origin_surface, 0), hit);
-#else
-    (void)world, (void)slot;
-#endif
-    return hit;
+    if (!MCV_WITH_SURFACES || (hit.triangle != MCV_NONE && mcv_shadow_is_any(slot))) return hit;
+    return mcv_intersect_solids_along(world, MCV_LOAD_3(slot, shadow_origin),
+                                      MCV_LOAD_3(slot, shadow_direction),
+                                      MCV_WORD(slot, shadow_origin_surface, 0), hit);
 }
 
 MCV_FUNCTION void mcv_intersect_shadow(mcv_world world, mcv_slot slot) {

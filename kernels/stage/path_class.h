@@ -25,7 +25,8 @@ MCV_FUNCTION float mcv_camera_share(mcv_world world, mcv_slot slot, mcv_interact
 }
 
 /* The path goes on from a point of a surface that spreads light, widely, sharply or neither, or
- * just lets it pass. */
+ * just lets it pass. Twice at one surface is as once, but for the passing: a branch in rows is a
+ * copy of its path after that has gone on, and lets nothing just pass. */
 MCV_LOOP_FUNCTION void mcv_update_path_class_at(mcv_world world, mcv_slot slot, mcv_vec3 point,
                                                 int scatters, int connectable, int near_specular,
                                                 int passes) {
@@ -50,7 +51,7 @@ MCV_LOOP_FUNCTION void mcv_update_path_class(mcv_world world, mcv_slot slot,
                                              const mcv_interaction *interaction,
                                              mcv_shading shading, mcv_scattering on) {
     const int passes = shading.kind == MCV_SHADING_ANY && on.event == MCV_EVENT_PASS &&
-                       mcv_is_sheet(world, *interaction);
+                       mcv_is_plate(world, *interaction);
     mcv_update_path_class_at(world, slot, interaction->surface.point, on.density > 0.0f,
                              mcv_is_connectable(world, *interaction),
                              mcv_is_near_specular(world, *interaction), passes);

@@ -32,4 +32,7 @@ MCV_LOOP_FUNCTION mcv_color mcv_after_roulette(mcv_roulette roulette, mcv_color 
     return carried;
 }
 
+/* What the depth limit cuts of a path, in units of 2^-11: a million paths fit the counter. */
+MCV_FUNCTION uint mcv_lost_energy(float carried) { return (uint)(carried * 2048.0f + 0.5f); }
+
 #endif

@@ -54,7 +54,6 @@ MCV_FUNCTION mcv_shadow mcv_sample_towards(mcv_world world, mcv_receiver at, uin
     return mcv_sample_direction(world, at, e, e->type, pair);
 }
 
-#if MCV_WITH_REACH
 /* The chances of the emitters at the surface that the path has met. */
 MCV_LOOP_FUNCTION void mcv_put_selection(mcv_slot slot, mcv_light_selection selection) {
     MCV_STORE(slot, selection_here, 0, selection.scale);
@@ -66,7 +65,6 @@ MCV_LOOP_FUNCTION mcv_light_selection mcv_selection_in(mcv_slot slot) {
                                            MCV_LOAD(slot, selection_here, 1)};
     return selection;
 }
-#endif
 
 /* One of the emitters, or MCV_NONE. */
 MCV_FUNCTION uint mcv_pick_emitter(mcv_world world, mcv_slot slot, uint depth) {
@@ -75,7 +73,9 @@ MCV_FUNCTION uint mcv_pick_emitter(mcv_world world, mcv_slot slot, uint depth) {
     if (!world.materials[material].scattering_sides) return MCV_NONE;
     if (world.frame->emitter_count == 1u) return 0u; /* whose number may not have been drawn */
     const mcv_pair choice = mcv_draw(slot, depth, MCV_PAIR_CHOICE);
-#if MCV_WITH_REACH
+    if (!MCV_WITH_REACH)
+        return mcv_search_cdf(world.emitter_cdf, world.frame->emitter_count,
+                              mcv_cdf_bits(choice.x, choice.y));
 #if MCV_TILE
     const mcv_vec3 point = MCV_LOAD_3(slot, point), face = MCV_LOAD_3(slot, face),
                    normal = MCV_LOAD_3(slot, normal);
@@ -90,25 +90,17 @@ MCV_FUNCTION uint mcv_pick_emitter(mcv_world world, mcv_slot slot, uint depth) {
                            choice.x, &selection);
     mcv_put_selection(slot, selection);
     return emitter;
-#else
-    return mcv_search_cdf(world.emitter_cdf, world.frame->emitter_count,
-                          mcv_cdf_bits(choice.x, choice.y));
-#endif
 }
 
 /* Sharp surfaces do not look for emitters whose light the path shares with light paths, but leave
  * that to chance. */
 MCV_LOOP_FUNCTION int mcv_leaves_to_light_paths(mcv_world world, mcv_slot slot, uint emitter,
                                                 int near_specular) {
-#if MCV_WITH_LIGHT_TRACING
+    if (!MCV_WITH_LIGHT_TRACING) return 0;
     const uint path_class = MCV_WORD(slot, path_class, 0);
     return near_specular &
            ((path_class == MCV_PATH_CLASS_DIFFUSE) | (path_class == MCV_PATH_CLASS_CARRIED)) &
            (world.emitters[emitter].light_flux > 0.0f);
-#else
-    (void)world, (void)slot, (void)emitter, (void)near_specular;
-    return 0;
-#endif
 }
 
 /* The emitter that the path looks for from where it is, or MCV_NONE. */
@@ -126,14 +118,26 @@ MCV_FUNCTION uint mcv_choose_emitter(mcv_world world, mcv_slot slot, uint depth)
  * reaches the path's surface. */
 MCV_LOOP_FUNCTION mcv_shadow mcv_apply_selection(mcv_world world, mcv_slot slot, mcv_vec3 point,
                                                  uint emitter, mcv_shadow shadow) {
-#if MCV_WITH_REACH
+    if (!MCV_WITH_REACH) return shadow;
     const float preference =
         mcv_selection_ratio(world.emitters + emitter, point, mcv_selection_in(slot));
     shadow.density *= preference;
     shadow.light = mcv_dim(shadow.light, 1.0f / preference);
-#else
-    (void)world, (void)slot, (void)point, (void)emitter;
-#endif
+    return shadow;
+}
+
+/* Keeps what comes to a path from the emitter that it has chosen; returns it as that choice has it.
+ */
+MCV_LOOP_FUNCTION mcv_shadow mcv_put_shadow(mcv_world world, mcv_slot slot, mcv_receiver at,
+                                            uint emitter, mcv_shadow shadow) {
+    shadow = mcv_apply_selection(world, slot, at.point, emitter, shadow);
+    MCV_STORE_3(slot, shadow_origin, shadow.origin);
+    MCV_STORE_3(slot, shadow_direction, shadow.direction);
+    MCV_WORD(slot, shadow_target, 0) = shadow.target;
+    if (MCV_TILE) {
+        MCV_STORE_COLOR(slot, shadow_light, shadow.light);
+        MCV_STORE(slot, shadow_density, 0, shadow.density);
+    }
     return shadow;
 }
 
@@ -142,14 +146,12 @@ MCV_LOOP_FUNCTION mcv_response mcv_respond_as(mcv_world world, mcv_slot slot,
                                               const mcv_interaction *interaction,
                                               mcv_shading shading, mcv_vec3 direction) {
     const uint media = mcv_path_media(slot);
-#if MCV_WITH_PLAIN
-    if (shading.kind == MCV_SHADING_DIFFUSE) {
+    if (MCV_WITH_PLAIN && shading.kind == MCV_SHADING_DIFFUSE) {
         mcv_color reflectance;
         MCV_LOAD_COLOR(slot, reflectance, reflectance);
         return mcv_respond_diffuse(interaction, reflectance, media, direction);
     }
-#if MCV_WITH_GLOSS
-    if (shading.kind == MCV_SHADING_GLOSS) {
+    if (MCV_WITH_PLAIN && MCV_WITH_GLOSS && shading.kind == MCV_SHADING_GLOSS) {
         const mcv_gloss_interaction m =
             mcv_make_plain_gloss_interaction(world, interaction, shading, media);
         mcv_response response =
@@ -162,9 +164,6 @@ MCV_LOOP_FUNCTION mcv_response mcv_respond_as(mcv_world world, mcv_slot slot,
         MCV_EACH_CHANNEL(c) response.value.c[c] = dropped ? 0.0f : response.value.c[c];
         return response;
     }
-#endif
-#endif
-    (void)shading;
     return mcv_respond(world, *interaction, media, direction);
 }
 
@@ -176,26 +175,19 @@ MCV_LOOP_FUNCTION mcv_response mcv_respond_as(mcv_world world, mcv_slot slot,
 MCV_LOOP_FUNCTION int mcv_make_shadow_ray(mcv_world world, mcv_slot slot,
                                           const mcv_interaction *interaction, mcv_shading shading,
                                           mcv_shadow shadow) {
-#if MCV_WITH_DISPERSION
     world = mcv_disperse(world, slot);
-#endif
     if (shading.kind == MCV_SHADING_ANY && !(mcv_brightest(shadow.light) > 0.0f)) return 0;
     const mcv_response response =
         mcv_respond_as(world, slot, interaction, shading, mcv_normalize(shadow.direction));
-    mcv_color light;
-    MCV_LOAD_COLOR(slot, throughput, light);
-    light = mcv_tint(mcv_tint(light, response.value), shadow.light);
+    mcv_color light = mcv_tint(mcv_tint(mcv_path_throughput(slot), response.value), shadow.light);
     light =
         mcv_dim(light, shadow.density > 0.0f ? mcv_power_heuristic(shadow.density, response.density)
                                              : 1.0f);
     light = mcv_basic_radiance(world, light, response.media);
-#if MCV_WITH_DIELECTRIC && MCV_WITH_GLOSS
-    MCV_WORD(slot, shadow_media, 0) = response.media;
-#endif
-#if MCV_WITH_SURFACES
-    MCV_WORD(slot, shadow_origin_surface, 0) =
-        shading.exact ? mcv_origin_surface_of(world, *interaction, shadow.direction) : MCV_NONE;
-#endif
+    if (MCV_WITH_DIELECTRIC && MCV_WITH_GLOSS) MCV_WORD(slot, shadow_media, 0) = response.media;
+    if (MCV_WITH_SURFACES)
+        MCV_WORD(slot, shadow_origin_surface, 0) =
+            shading.exact ? mcv_origin_surface_of(world, *interaction, shadow.direction) : MCV_NONE;
     MCV_STORE_COLOR(slot, shadow_light, light);
     const int comes = mcv_brightest(shadow.light) > 0.0f,
               reflects = mcv_brightest(response.value) > 0.0f;
@@ -208,12 +200,9 @@ MCV_FUNCTION int mcv_sample_emitter(mcv_world world, mcv_slot slot, uint depth) 
     if (emitter == MCV_NONE) return 0;
     const mcv_interaction interaction = mcv_make_interaction(world, slot);
     const mcv_receiver at = mcv_receiver_of(interaction);
-    const mcv_shadow shadow = mcv_apply_selection(
-        world, slot, at.point, emitter,
+    const mcv_shadow shadow = mcv_put_shadow(
+        world, slot, at, emitter,
         mcv_sample_towards(world, at, emitter, mcv_draw(slot, depth, MCV_PAIR_EMITTER)));
-    MCV_STORE_3(slot, shadow_origin, shadow.origin);
-    MCV_STORE_3(slot, shadow_direction, shadow.direction);
-    MCV_WORD(slot, shadow_target, 0) = shadow.target;
     return mcv_make_shadow_ray(world, slot, &interaction, mcv_any_shading(), shadow);
 }
 #endif

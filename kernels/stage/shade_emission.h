@@ -17,16 +17,12 @@
  */
 MCV_LOOP_FUNCTION float mcv_density_against(mcv_world world, mcv_slot slot, uint emitter,
                                             float density) {
-#if MCV_WITH_NEXT_EVENT && MCV_WITH_REACH
+    if (!(MCV_WITH_NEXT_EVENT && MCV_WITH_REACH)) return density;
     const mcv_light_selection selection = {MCV_LOAD(slot, selection, 0),
                                            MCV_LOAD(slot, selection, 1)};
     const float against = density / mcv_selection_ratio(world.emitters + emitter,
                                                         MCV_LOAD_3(slot, origin), selection);
-    density = density > 0.0f ? against : density;
-#else
-    (void)world, (void)slot, (void)emitter;
-#endif
-    return density;
+    return density > 0.0f ? against : density;
 }
 
 #if MCV_WITH_EMISSION
@@ -42,29 +38,26 @@ typedef struct mcv_emitter_hit {
 /* Adds what the path has met, weighed against next-event estimation by the power heuristic. */
 MCV_LOOP_FUNCTION void mcv_add_emission(mcv_world world, mcv_slot slot,
                                         const mcv_emitter_hit *met) {
-    mcv_color throughput, radiance;
-    MCV_LOAD_COLOR(slot, throughput, throughput);
+    const mcv_color throughput = mcv_path_throughput(slot);
+    mcv_color radiance;
     MCV_LOAD_COLOR(slot, radiance, radiance);
     mcv_color emitted = mcv_basic_radiance(world, met->radiance, mcv_path_media(slot));
-#if MCV_WITH_NEXT_EVENT
-    float own = mcv_density_against(world, slot, met->emitter, mcv_path_density(slot));
-#if MCV_WITH_LIGHT_TRACING
-    /* Sharp surfaces have not looked for it (mcv_choose_emitter). */
-    const int carried = (MCV_WORD(slot, path_class, 0) == MCV_PATH_CLASS_CARRIED) &
-                        (world.emitters[met->emitter].light_flux > 0.0f);
-    own = carried ? 0.0f : own;
-#endif
-    const float weight = mcv_power_heuristic(own, met->other);
-    const int chosen = own > 0.0f, shines = mcv_brightest(emitted) > 0.0f;
-    emitted = mcv_dim(emitted, (chosen & shines) ? weight : 1.0f);
-#endif
+    if (MCV_WITH_NEXT_EVENT) {
+        /* Sharp surfaces have not looked for it (mcv_choose_emitter). */
+        const int carried =
+            MCV_WITH_LIGHT_TRACING && (MCV_WORD(slot, path_class, 0) == MCV_PATH_CLASS_CARRIED) &
+                                          (world.emitters[met->emitter].light_flux > 0.0f);
+        const float density =
+                        mcv_density_against(world, slot, met->emitter, mcv_path_density(slot)),
+                    own = carried ? 0.0f : density, weight = mcv_power_heuristic(own, met->other);
+        const int chosen = own > 0.0f, shines = mcv_brightest(emitted) > 0.0f;
+        emitted = mcv_dim(emitted, (chosen & shines) ? weight : 1.0f);
+    }
     emitted = mcv_dim(emitted, met->share);
     MCV_EACH_CHANNEL(i) radiance.c[i] = mcv_fma(throughput.c[i], emitted.c[i], radiance.c[i]);
     MCV_STORE_COLOR(slot, radiance, radiance);
 }
-#endif
 
-#if MCV_WITH_EMISSION
 /* Adds what a surface emits that the path has met. */
 static void mcv_shade_emitter_hit(mcv_world world, mcv_slot slot, mcv_interaction interaction) {
     const uint emitter = world.instances[interaction.surface.instance].emitter;
@@ -91,25 +84,18 @@ static void mcv_shade_emitter_hit(mcv_world world, mcv_slot slot, mcv_interactio
 
 /* A ray that leaves the scene sees the environment. */
 MCV_LOOP_FUNCTION void mcv_shade_miss(mcv_world world, mcv_slot slot) {
-#if MCV_WITH_ENVIRONMENT || MCV_WITH_ENVIRONMENT_IMAGE
+    if (!(MCV_WITH_ENVIRONMENT || MCV_WITH_ENVIRONMENT_IMAGE)) return;
     float density = mcv_path_density(slot);
-    mcv_color throughput;
     mcv_color radiance;
-#if MCV_WITH_DISPERSION
     world = mcv_disperse(world, slot);
-#endif
-    MCV_LOAD_COLOR(slot, throughput, throughput);
+    const mcv_color throughput = mcv_path_throughput(slot);
     MCV_LOAD_COLOR(slot, radiance, radiance);
-#if MCV_WITH_ENVIRONMENT_IMAGE
-    density = mcv_density_against(world, slot, world.frame->environment_emitter, density);
-#endif
+    if (MCV_WITH_ENVIRONMENT_IMAGE)
+        density = mcv_density_against(world, slot, world.frame->environment_emitter, density);
     const mcv_color met =
         mcv_environment_seen(world, MCV_LOAD_3(slot, direction), mcv_path_media(slot), density);
     MCV_EACH_CHANNEL(i) radiance.c[i] = mcv_fma(throughput.c[i], met.c[i], radiance.c[i]);
     MCV_STORE_COLOR(slot, radiance, radiance);
-#else
-    (void)world, (void)slot;
-#endif
 }
 
 #endif

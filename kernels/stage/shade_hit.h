@@ -16,9 +16,7 @@
 typedef struct mcv_shaded {
     mcv_scattering on;
     mcv_color throughput;
-#if MCV_WITH_SPLIT
     mcv_split split; /* where it splits */
-#endif
     uint fate; /* MCV_CONTINUES | MCV_SPLITS, or MCV_UNSHADED: the class does not hold this surface,
                   mcv_shade_surface does */
 } mcv_shaded;
@@ -32,14 +30,13 @@ MCV_LOOP_FUNCTION mcv_shaded mcv_shade_hit(mcv_world world, mcv_slot slot,
     mcv_scattering other;
     int unshaded = 0;
     const mcv_pair pair = mcv_draw(slot, depth, MCV_PAIR_SCATTER),
-                   choice = mcv_draw_choice(slot, depth);
-    MCV_LOAD_COLOR(slot, throughput, shaded.throughput);
+                   choice = mcv_draw_choice(world, slot, depth);
+    shaded.throughput = mcv_path_throughput(slot);
     shaded.fate = 0u;
     shaded.on = mcv_scatter_as(world, slot, interaction, shading, pair, choice.x,
                                mcv_may_split(slot), unmatched, &other, &unshaded);
-#if MCV_WITH_SPLIT
-    shaded.split.branches = 0;
-    if (shading.kind == MCV_SHADING_ANY ? other.chance > 0.0f : shading.splits) {
+    if (MCV_WITH_SPLIT &&
+        (shading.kind == MCV_SHADING_ANY ? other.chance > 0.0f : shading.splits)) {
         shaded.split =
             mcv_split_path(slot, shaded.on.event == MCV_EVENT_END ? shaded.on.remainder : pair.x,
                            shaded.throughput, shaded.on, other);
@@ -47,7 +44,6 @@ MCV_LOOP_FUNCTION mcv_shaded mcv_shade_hit(mcv_world world, mcv_slot slot,
         MCV_WORD(slot, branch, 0) += (uint)shaded.split.splits;
         shaded.fate = shaded.split.branches ? MCV_SPLITS : 0u;
     }
-#endif
     shaded.throughput = mcv_tint(shaded.throughput, shaded.on.factor);
     const mcv_roulette roulette =
         mcv_play_roulette(depth >= MCV_ROULETTE_DEPTH, mcv_brightest(shaded.throughput),
@@ -62,34 +58,25 @@ MCV_LOOP_FUNCTION mcv_shaded mcv_shade_hit(mcv_world world, mcv_slot slot,
  * beside. */
 static uint mcv_shade_surface(mcv_world world, mcv_slot slot, mcv_slot beside, uint depth,
                               uint *unmatched) {
-#if MCV_WITH_DISPERSION
     world = mcv_disperse(world, slot);
-#endif
     const mcv_interaction interaction = mcv_make_interaction(world, slot);
 #if MCV_WITH_EMISSION
     mcv_shade_emitter_hit(world, slot, interaction);
 #endif
-#if MCV_WITH_REACH && MCV_WITH_NEXT_EVENT
     mcv_keep_selection(slot);
-#endif
     const mcv_shaded shaded =
         mcv_shade_hit(world, slot, &interaction, mcv_any_shading(), depth, unmatched);
-#if MCV_WITH_SPLIT
-    if (shaded.fate & MCV_SPLITS) mcv_start_branch(world, slot, beside, &interaction, shaded.split);
-#else
-    (void)beside;
-#endif
+    if (MCV_WITH_SPLIT && (shaded.fate & MCV_SPLITS))
+        mcv_start_branch(world, slot, beside, &interaction, shaded.split);
     if (shaded.fate & MCV_CONTINUES)
         mcv_continue_path(world, slot, &interaction, mcv_any_shading(), shaded.on,
                           shaded.throughput, 0);
     return shaded.fate;
 }
 
-/* What the path would still have carried, in units of 2^-11: a million paths fit the counter. */
-static uint mcv_lost_energy(mcv_slot slot) {
-    mcv_color throughput;
-    MCV_LOAD_COLOR(slot, throughput, throughput);
-    return (uint)(mcv_brightest(throughput) * 2048.0f + 0.5f);
+/* What the depth limit cuts of the path. */
+MCV_FUNCTION uint mcv_cut_path(mcv_slot slot) {
+    return mcv_lost_energy(mcv_brightest(mcv_path_throughput(slot)));
 }
 
 #endif

@@ -17,15 +17,9 @@
          : 1.0f)
 
 MCV_LOOP_FUNCTION int mcv_may_split(mcv_slot slot) {
-#if MCV_WITH_SPLIT
-    return MCV_WORD(slot, branch, 0) + 1u < MCV_BRANCHES;
-#else
-    (void)slot;
-    return 0;
-#endif
+    return MCV_WITH_SPLIT && MCV_WORD(slot, branch, 0) + 1u < MCV_BRANCHES;
 }
 
-#if MCV_WITH_SPLIT
 /* How a path splits. */
 typedef struct mcv_split {
     mcv_scattering on, other; /* the path's and the branch's way, */
@@ -52,15 +46,15 @@ MCV_LOOP_FUNCTION mcv_split mcv_split_path(mcv_slot slot, float xi, mcv_color th
     const float lives = wanted < 1.0f ? wanted : 1.0f;
     float weight = likelier.chance;
     split.splits = (other.chance > 0.0f) & mcv_may_split(slot);
-#if MCV_WITH_ENVIRONMENT || MCV_WITH_ENVIRONMENT_IMAGE
-    /* What roulette would soon play for is left to chance: light from all sides keeps being found
-     * without noise. */
-    const float branches = split.other.chance / lives,
-                goes_on = lives < 1.0f ? 1.0f - branches : likelier.chance;
-    const float least = mcv_brightest(throughput) * (goes_on < branches ? goes_on : branches);
-    split.splits &= !(least < MCV_ROULETTE_WEIGHT * (1.0f - 8.0f * MCV_UNIT_ROUNDOFF));
-    weight = lives < 1.0f ? xi < lives ? goes_on : 1.0f : weight;
-#endif
+    if (MCV_WITH_ENVIRONMENT || MCV_WITH_ENVIRONMENT_IMAGE) {
+        /* What roulette would soon play for is left to chance: light from all sides keeps being
+         * found without noise. */
+        const float branches = split.other.chance / lives,
+                    goes_on = lives < 1.0f ? 1.0f - branches : likelier.chance;
+        const float least = mcv_brightest(throughput) * (goes_on < branches ? goes_on : branches);
+        split.splits &= !(least < MCV_ROULETTE_WEIGHT * (1.0f - 8.0f * MCV_UNIT_ROUNDOFF));
+        weight = lives < 1.0f ? xi < lives ? goes_on : 1.0f : weight;
+    }
     split.on = mcv_choose_scattering(split.splits, likelier, on);
     split.on.factor = mcv_dim(split.on.factor, split.splits ? weight : 1.0f);
     split.carried = mcv_dim(mcv_tint(throughput, split.other.factor), split.other.chance / lives);
@@ -68,7 +62,6 @@ MCV_LOOP_FUNCTION mcv_split mcv_split_path(mcv_slot slot, float xi, mcv_color th
     return split;
 }
 
-#if MCV_TILE
 /* What mcv_continue_branch asks for, in branch_state. */
 MCV_LOOP_FUNCTION void mcv_store_split(mcv_slot slot, mcv_split split) {
     MCV_STORE_3(slot, branch_state, split.other.direction);
@@ -86,7 +79,6 @@ MCV_LOOP_FUNCTION mcv_split mcv_load_split(mcv_slot slot) {
     MCV_EACH_CHANNEL(c) split.carried.c[c] = MCV_LOAD(slot, branch_state, 5 + c);
     return split;
 }
-#endif
 
 /* A copy of a path becomes its branch: it has random numbers of its own, nothing found so far, and
  * goes the other way. */
@@ -98,24 +90,21 @@ MCV_LOOP_FUNCTION void mcv_continue_branch(mcv_world world, mcv_slot slot,
     MCV_WORD(slot, stream, 0) = mcv_hash_2(MCV_WORD(slot, stream, 0), number);
     MCV_EACH_CHANNEL(i) MCV_STORE(slot, radiance, i, 0.0f);
     mcv_continue_path(world, slot, interaction, shading, split.other, split.carried, 0);
-#if MCV_LEAVES_TOGETHER
-    const mcv_vec3 origin = mcv_onward_origin(*interaction, split.other.direction);
-    MCV_STORE_3(slot, origin, origin);
-#endif
+    if (MCV_OFFSETS_TOGETHER) {
+        const mcv_vec3 origin = mcv_onward_origin(*interaction, split.other.direction);
+        MCV_STORE_3(slot, origin, origin);
+    }
 }
 
 /* The branch begins in the slot beside; the path has not continued yet. */
-static void mcv_start_branch(mcv_world world, mcv_slot slot, mcv_slot beside,
-                             const mcv_interaction *interaction, mcv_split split) {
+MCV_FUNCTION void mcv_start_branch(mcv_world world, mcv_slot slot, mcv_slot beside,
+                                   const mcv_interaction *interaction, mcv_split split) {
     for (uint word = 0; word < MCV_PATH_hit; ++word) {
         const uint row = word * MCV_CAPACITY(slot);
         beside.base[row + beside.index] = slot.base[row + slot.index];
     }
-#if MCV_WITH_MIXED
-    MCV_WORD(beside, hit, 0) = MCV_WORD(slot, hit, 0);
-#endif
+    if (MCV_WITH_MIXED) MCV_WORD(beside, hit, 0) = MCV_WORD(slot, hit, 0);
     mcv_continue_branch(world, beside, interaction, mcv_any_shading(), split);
 }
-#endif
 
 #endif

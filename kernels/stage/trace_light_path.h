@@ -13,6 +13,7 @@
 #define MCVISI_KERNELS_TRACE_LIGHT_PATH_H
 
 #include "bsdf/shading.h"
+#include "path/dispersion.h"
 #include "light/leave_emitter.h"
 #include "stage/connect_light_path.h"
 #include "stage/roulette.h"
@@ -42,31 +43,8 @@ static void mcv_enter_lens(mcv_world world, mcv_light_path path, float t, __glob
         mcv_sensor_invert(world.sensor, sensor_ray, &place) * squared * squared;
     if (!(importance > 0.0f)) return;
     mcv_color value = mcv_dim(mcv_tint(path.flux, path.throughput), importance);
-#if MCV_WITH_ABSORPTION
     value = mcv_tint(value, mcv_medium_transmittance(world, path.media, way));
-#endif
     mcv_splat(world, splats, replicate, place, value, xi, counts);
-}
-#endif
-
-/* What the depth limit cuts, in units of 2^-11. */
-MCV_FUNCTION uint mcv_lost_light(mcv_color throughput) {
-    return (uint)(fmin(mcv_brightest(throughput), 1.0f) * 2048.0f + 0.5f);
-}
-
-#if MCV_WITH_DISPERSION
-/* Keeps one channel at a dielectric; the world as the path's light meets it. */
-MCV_FUNCTION mcv_world mcv_disperse_light(mcv_world world, mcv_light_identity id,
-                                          mcv_interaction interaction, mcv_light_path *path) {
-    if (world.materials[world.instances[interaction.surface.instance].material].type ==
-        MCV_MATERIAL_DIELECTRIC) {
-        float chance;
-        const float xi = mcv_sample_pair(id.stream, id.sample, MCV_PAIR_CHANNEL).x;
-        const uint channel =
-            mcv_choose_channel(mcv_tint(path->flux, path->throughput), xi, &chance);
-        path->throughput = mcv_keep_channel(path->throughput, channel, chance);
-    }
-    return mcv_in_channel(world, mcv_kept_channel(path->throughput));
 }
 #endif
 
@@ -100,11 +78,8 @@ MCV_LOOP_FUNCTION int mcv_continue_light_path(mcv_world world, const mcv_interac
         (parts ? before & ~(uint)MCV_LIGHT_OPEN : after) | (scatters ? (uint)MCV_LIGHT_SPREAD : 0u);
     path->direction = on.direction;
     path->media = on.media;
-#if MCV_WITH_SURFACES
     path->origin_surface =
         shading.exact ? mcv_origin_surface_of(world, *interaction, on.direction) : MCV_NONE;
-#endif
-    (void)shading;
     return roulette.survives & !ends;
 }
 
@@ -120,6 +95,11 @@ MCV_FUNCTION int mcv_shade_any_light_hit(mcv_world world, mcv_interaction intera
     path->origin = mcv_onward_origin(interaction, on.direction);
     return mcv_continue_light_path(world, &interaction, mcv_any_shading(), on, depth, choice.y,
                                    path);
+}
+
+/* What the depth limit cuts of the path: at most all that it began with. */
+MCV_FUNCTION uint mcv_cut_light(mcv_color throughput) {
+    return mcv_lost_energy(fmin(mcv_brightest(throughput), 1.0f));
 }
 
 MCV_FUNCTION mcv_pair mcv_light_pair(mcv_light_identity id, uint depth, uint pair) {
@@ -147,13 +127,13 @@ MCV_FUNCTION void mcv_trace_light_path(mcv_world world, uint index, __global uin
 #endif
         if (hit.triangle == MCV_NONE) return;
         path.length += hit.t;
-#if MCV_WITH_ABSORPTION
         path.throughput =
             mcv_tint(path.throughput, mcv_medium_transmittance(world, path.media, hit.t));
-#endif
         const mcv_interaction interaction = mcv_meet(world, path.origin, path.direction, hit);
 #if MCV_WITH_DISPERSION
-        const mcv_world seen = mcv_disperse_light(world, id, interaction, &path);
+        const mcv_world seen =
+            mcv_disperse_at(world, interaction.surface.instance, id.stream, id.sample,
+                            mcv_tint(path.flux, path.throughput), &path.throughput);
 #else
         const mcv_world seen = world;
 #endif
@@ -167,7 +147,7 @@ MCV_FUNCTION void mcv_trace_light_path(mcv_world world, uint index, __global uin
             return;
     }
     ++counts[MCV_COUNTER_depth_cut];
-    counts[MCV_COUNTER_lost] += mcv_lost_light(path.throughput);
+    counts[MCV_COUNTER_lost] += mcv_cut_light(path.throughput);
 }
 #endif
 

@@ -5,7 +5,7 @@
  * which handles a slice of the rays: on a CPU it runs on one core with its stack in the first
  * cache.
  */
-#include "traverse/policy.h"
+#include "traverse/trace_packet.h"
 
 /* A ray of the batch: 32 bytes. */
 typedef struct mcv_batch_ray {
@@ -66,14 +66,17 @@ intersect_any(__global const mcv_node *nodes, __global const mcv_leaf *leaves,
         } \
     }
 
-MCV_BATCH_KERNEL(intersect_closest_turns, mcv_intersect_closest_interleaved, mcv_hit, )
-MCV_BATCH_KERNEL(intersect_any_turns, mcv_intersect_any_interleaved, int, .triangle != MCV_NONE)
-MCV_BATCH_KERNEL(intersect_closest_bundles, mcv_intersect_closest_packets, mcv_hit, )
-MCV_BATCH_KERNEL(intersect_any_bundles, mcv_intersect_any_packets, int, .triangle != MCV_NONE)
-
-/* As the stages of the tile schedule do. */
-MCV_BATCH_KERNEL(closest_many, MCV_TRACE_CLOSEST, mcv_hit, )
-MCV_BATCH_KERNEL(any_many, MCV_TRACE_ANY, int, .triangle != MCV_NONE)
+/* All rays together, each alone, and as the stages of the tile schedule do. */
+MCV_TRACE_RAYS(mcv_closest_together, 0, INFINITY)
+MCV_TRACE_RAYS(mcv_any_together, 1, INFINITY)
+MCV_TRACE_RAYS(mcv_closest_alone, 0, -1.0f)
+MCV_TRACE_RAYS(mcv_any_alone, 1, -1.0f)
+MCV_BATCH_KERNEL(intersect_closest_together, mcv_closest_together, mcv_hit, )
+MCV_BATCH_KERNEL(intersect_any_together, mcv_any_together, int, .triangle != MCV_NONE)
+MCV_BATCH_KERNEL(intersect_closest_alone, mcv_closest_alone, mcv_hit, )
+MCV_BATCH_KERNEL(intersect_any_alone, mcv_any_alone, int, .triangle != MCV_NONE)
+MCV_BATCH_KERNEL(closest_many, mcv_intersect_closest_rays, mcv_hit, )
+MCV_BATCH_KERNEL(any_many, mcv_intersect_any_rays, int, .triangle != MCV_NONE)
 
 __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void
 intersect_all(__global const mcv_leaf *leaves, __global const mcv_batch_ray *rays,

@@ -50,6 +50,20 @@ static inline uint mcv_mask4(int4 lanes) {
 #endif
 }
 
+/* Lane i is lane lanes[i], 0 … 7, of the values. */
+static inline uint8 mcv_permute8(uint8 values, uint8 lanes) {
+#if defined(MCV_AVX_BUILTINS) && defined(__AVX2__)
+    return as_uint8(__builtin_ia32_permvarsi256(as_int8(values), as_int8(lanes)));
+#else
+    uint from[8], which[8];
+    vstore8(values, 0, from);
+    vstore8(lanes, 0, which);
+#pragma unroll
+    for (int i = 0; i < 8; ++i) which[i] = from[which[i]];
+    return vload8(0, which);
+#endif
+}
+
 /* Takes the highest bit out of a mask and returns its number. */
 static inline uint mcv_pop_bit(uint *mask) {
     const uint bit = 31u - clz(*mask);

@@ -90,9 +90,11 @@ static inline mcv_ray_frame mcv_ray_setup(mcv_vec3 origin, mcv_vec3 direction, f
     return ray;
 }
 
-/* The children whose boxes the ray enters at 0 <= t <= t_max, one bit each, and where. */
-MCV_LOOP_FUNCTION uint mcv_intersect_boxes(__global const mcv_node *node, const mcv_slabs *slabs,
-                                           float t_max, float8 *entry) {
+/* The children whose boxes the ray enters at 0 <= t <= t_max, one bit each and as lanes, and where.
+ */
+MCV_LOOP_FUNCTION uint mcv_intersect_boxes_lanes(__global const mcv_node *node,
+                                                 const mcv_slabs *slabs, float t_max, float8 *entry,
+                                                 int8 *entered) {
     float8 near = (float8)(0.0f), far = (float8)(t_max);
 #pragma unroll
     for (int axis = 0; axis < 3; ++axis) {
@@ -104,7 +106,15 @@ MCV_LOOP_FUNCTION uint mcv_intersect_boxes(__global const mcv_node *node, const 
         far = min(far, fma(second, inverse, (float8)(slabs->far_offset[axis])));
     }
     *entry = near;
-    return mcv_mask8(near <= far);
+    *entered = near <= far;
+    return mcv_mask8(*entered);
+}
+
+/* The same without the lanes. */
+MCV_LOOP_FUNCTION uint mcv_intersect_boxes(__global const mcv_node *node, const mcv_slabs *slabs,
+                                           float t_max, float8 *entry) {
+    int8 entered;
+    return mcv_intersect_boxes_lanes(node, slabs, t_max, entry, &entered);
 }
 
 /* Whether a ray enters one box before it ends, without branches. */

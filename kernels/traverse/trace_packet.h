@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Many rays through the hierarchy together (J. A. Tsakok, Faster Incoherent Rays: Multi-BVH Ray
- * Stream Tracing, HPG 2009): a node or a leaf is visited once, with a list of all rays that enter
- * it. Rays from places close to each other enter much the same ones, whichever way they go then.
- * They share the branches that no processor foresees, which is where a ray alone spends its time,
- * and a leaf is tested with many of them side by side.
+ * Many rays through the hierarchy. Where they go much the same way, they go together (J. A. Tsakok,
+ * Faster Incoherent Rays: Multi-BVH Ray Stream Tracing, HPG 2009): a node or a leaf is visited
+ * once, with a list of all rays that enter it, and a leaf is tested with many of them side by side.
+ * Rays that go their own ways, and those that few others accompany, go alone
+ * (traverse/stragglers.h).
  *
  * They find what they find alone, to the last bit: a triangle is tested by the same arithmetic, and
  * boxes only leave out what cannot be hit (traverse/ray_frame.h; any superset of the leaves in any
@@ -14,11 +14,14 @@
 #define MCVISI_KERNELS_TRACE_PACKET_H
 
 #include "traverse/flat.h"
-#include "traverse/interleave.h"
+#include "traverse/stragglers.h"
 
 /* Down from so many, each ray of a list continues alone: nearest first is then worth more than
  * company. */
 #define MCV_PACKET_FEW 5
+
+/* Where slopes differ by no more, company pays. */
+#define MCV_PACKET_SPREAD 0.25f
 
 /* A child that waits: its node's level, and which of its children it is. */
 typedef struct mcv_packet_child {
@@ -76,10 +79,11 @@ MCV_LOOP_FUNCTION uint mcv_list_entering(mcv_packet_child next, int any, mcv_pac
     return listed;
 }
 
-/* The children of a node wait, the nearest on top, as the ray sees it that enters it first. */
+/* The children of a node wait, the nearest on top, as the ray sees it that enters it first, or in
+ * their order where any hit will do. */
 MCV_LOOP_FUNCTION void mcv_visit_node(__global const mcv_node *nodes,
                                       __global const mcv_leaf *leaves, mcv_packet_child next,
-                                      uint listed, mcv_packet_traversal *p) {
+                                      uint listed, int any, mcv_packet_traversal *p) {
     __global const mcv_node *node = nodes + next.child;
     const uint level = next.level + 1u, bottom = p->depth;
     const uchar *list = p->lists[level];
@@ -98,7 +102,7 @@ MCV_LOOP_FUNCTION void mcv_visit_node(__global const mcv_node *nodes,
         entered |= mask;
     }
     vstore8((uchar8)(0), 0, masks + listed);
-    vstore8(least, 0, begin);
+    vstore8(any ? (float8)(0, 1, 2, 3, 4, 5, 6, 7) : least, 0, begin);
     p->counts[level] = listed;
     while (entered) {
         const uint lane = mcv_pop_bit(&entered);
@@ -111,19 +115,41 @@ MCV_LOOP_FUNCTION void mcv_visit_node(__global const mcv_node *nodes,
     p->depth = depth;
 }
 
+/* By how much the slopes of the rays differ; infinite where their main axes do. */
+MCV_LOOP_FUNCTION float mcv_spread_of(const mcv_packet *p, uint count) {
+    float least[2] = {INFINITY, INFINITY}, most[2] = {-INFINITY, -INFINITY};
+    uint axes = 0, signs = 0;
+    for (uint i = 0; i < count; ++i) {
+        axes |= p->main_axis[i] ^ p->main_axis[0];
+        signs |= as_uint(p->scale[i]) ^ as_uint(p->scale[0]);
+#pragma unroll
+        for (int k = 0; k < 2; ++k) {
+            least[k] = min(least[k], p->slope[k][i]);
+            most[k] = max(most[k], p->slope[k][i]);
+        }
+    }
+    if (axes | signs >> 31) return INFINITY;
+    return max(most[0] - least[0], most[1] - least[1]);
+}
+
 /* The hits of at most MCV_PACKET rays, all of finite origin. */
 MCV_LOOP_FUNCTION void mcv_trace_packet(__global const mcv_node *nodes,
                                         __global const mcv_leaf *leaves, mcv_rows origins,
                                         mcv_rows directions, const uint *numbers, uint count,
-                                        int any, int interleaves, mcv_hits hits) {
+                                        int any, float spread, mcv_hits hits) {
     mcv_packet_traversal p;
-    mcv_straggler stragglers[MCV_STRAGGLERS];
+    mcv_straggler stragglers[MCV_PACKET];
     uint alone = 0;
     mcv_packet_setup(origins, directions, numbers, count, nodes->extent, hits, &p.rays);
-    mcv_begin_packet(count, any, &p);
+    if (mcv_spread_of(&p.rays, count) <= spread) {
+        mcv_begin_packet(count, any, &p);
+    } else {
+        p.depth = 0;
+        for (; alone < count; ++alone) stragglers[alone] = (mcv_straggler){alone, 0};
+    }
     while (p.depth > 0 || alone > 0) {
-        if (interleaves && (p.depth == 0 || alone + MCV_PACKET_FEW > MCV_STRAGGLERS)) {
-            mcv_trace_interleaved(nodes, leaves, &p.rays, stragglers, alone, any);
+        if (p.depth == 0 || alone + MCV_PACKET_FEW > MCV_PACKET) {
+            mcv_trace_stragglers(nodes, leaves, &p.rays, stragglers, alone, any);
             alone = 0;
             continue;
         }
@@ -131,17 +157,12 @@ MCV_LOOP_FUNCTION void mcv_trace_packet(__global const mcv_node *nodes,
         const uint listed = mcv_list_entering(next, any, &p);
         const uchar *list = p.lists[next.level + 1u];
         if (listed <= MCV_PACKET_FEW) {
-            for (uint k = 0; k < listed; ++k) {
-                const mcv_straggler straggler = {list[k], next.child};
-                if (interleaves)
-                    stragglers[alone++] = straggler;
-                else
-                    mcv_trace_straggler(nodes, leaves, &p.rays, straggler, any);
-            }
+            for (uint k = 0; k < listed; ++k)
+                stragglers[alone++] = (mcv_straggler){list[k], next.child};
         } else if (next.child & MCV_CHILD_LEAF) {
             mcv_packet_leaf(leaves + (next.child & ~MCV_CHILD_LEAF), &p.rays, list, listed, any);
         } else {
-            mcv_visit_node(nodes, leaves, next, listed, &p);
+            mcv_visit_node(nodes, leaves, next, listed, any, &p);
         }
     }
     for (uint i = 0; i < count; ++i) mcv_put_hit(hits, numbers[i], p.rays.hits[i]);
@@ -150,9 +171,10 @@ MCV_LOOP_FUNCTION void mcv_trace_packet(__global const mcv_node *nodes,
 /*
  * The hits of the rays numbers[0 … count - 1]: the closest or, where any hit will do, one of them,
  * of which only the triangle is known. On entry they are misses (mcv_miss) or what else the rays
- * have hit, which stays where nothing closer is hit.
+ * have hit, which stays where nothing closer is hit. Rays whose slopes differ by at most
+ * `spread` go together.
  */
-#define MCV_TRACE_PACKETS(name, any, interleaves) \
+#define MCV_TRACE_RAYS(name, any, spread) \
     static inline __attribute__((noinline)) void name( \
         __global const mcv_node *nodes, __global const mcv_leaf *leaves, mcv_rows origins, \
         mcv_rows directions, const uint *numbers, uint count, mcv_hits hits) { \
@@ -162,11 +184,9 @@ MCV_LOOP_FUNCTION void mcv_trace_packet(__global const mcv_node *nodes,
         } \
         for (uint first = 0; first < count; first += MCV_PACKET) \
             mcv_trace_packet(nodes, leaves, origins, directions, numbers + first, \
-                             min(count - first, (uint)MCV_PACKET), any, interleaves, hits); \
+                             min(count - first, (uint)MCV_PACKET), any, spread, hits); \
     }
-MCV_TRACE_PACKETS(mcv_intersect_closest_packets, 0, 0)
-MCV_TRACE_PACKETS(mcv_intersect_any_packets, 1, 0)
-MCV_TRACE_PACKETS(mcv_intersect_closest_interleaved, 0, 1)
-MCV_TRACE_PACKETS(mcv_intersect_any_interleaved, 1, 1)
+MCV_TRACE_RAYS(mcv_intersect_closest_rays, 0, MCV_PACKET_SPREAD)
+MCV_TRACE_RAYS(mcv_intersect_any_rays, 1, MCV_PACKET_SPREAD)
 
 #endif

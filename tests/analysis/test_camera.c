@@ -473,27 +473,9 @@ static void test_fixed_pattern_and_dark_current(void **state) {
     }
 }
 
-/* K R SE adds to the camera's own part. */
+/* The light's uncertainty adds K R SE to the camera's own part, and nothing where the pixel is
+ * saturated. */
 static void test_uncertainty_of_the_light(void **state) {
-    float value = 3, se = 0.25F;
-    const mcv_image light = {.width = 1, .height = 1, .channels = 1, .pixels = &value};
-    const mcv_image light_error = {.width = 1, .height = 1, .channels = 1, .pixels = &se};
-    const mcv_camera camera = {.electrons_per_unit = {100, 1, 1},
-                               .full_well = 1000,
-                               .gain = 2,
-                               .read_noise = 7,
-                               .bits = 12};
-    mcv_exposure exposure;
-    mcv_error error = {""};
-    (void)state;
-    assert_int_equal(mcv_camera_expose(&camera, &light, &light_error, &exposure, &error), MCV_OK);
-    const double expected = sqrt(4 * (300 + 49 + 625) + 1.0 / 12);
-    assert_true(fabs(exposure.uncertainty.pixels[0] / expected - 1) < 1e-6);
-    mcv_exposure_free(&exposure);
-}
-
-/* The light's own share of the uncertainty, K R SE, and none where the pixel is saturated. */
-static void test_error_of_the_render(void **state) {
     float values[] = {3, 50}, errors[] = {0.25F, 0.5F};
     const mcv_image light = {.width = 2, .height = 1, .channels = 1, .pixels = values};
     const mcv_image light_error = {.width = 2, .height = 1, .channels = 1, .pixels = errors};
@@ -502,10 +484,12 @@ static void test_error_of_the_render(void **state) {
                                .gain = 2,
                                .read_noise = 7,
                                .bits = 12};
+    const double expected = sqrt(4 * (300 + 49 + 625) + 1.0 / 12);
     mcv_exposure exposure;
     mcv_error error = {""};
     (void)state;
     assert_int_equal(mcv_camera_expose(&camera, &light, &light_error, &exposure, &error), MCV_OK);
+    assert_true(fabs(exposure.uncertainty.pixels[0] / expected - 1) < 1e-6);
     assert_true(exposure.render.pixels[0] == 50 && exposure.render.pixels[1] == 0);
     mcv_exposure_free(&exposure);
     assert_int_equal(mcv_camera_expose(&camera, &light, NULL, &exposure, &error), MCV_OK);
@@ -743,7 +727,6 @@ int main(void) {
         cmocka_unit_test(test_photons_as_in_the_standard),
         cmocka_unit_test(test_fixed_pattern_and_dark_current),
         cmocka_unit_test(test_uncertainty_of_the_light),
-        cmocka_unit_test(test_error_of_the_render),
         cmocka_unit_test(test_level),
         cmocka_unit_test(test_level_uncertainty),
         cmocka_unit_test(test_bayer_patterns),

@@ -13,6 +13,7 @@
 #include "analysis/line.h"
 #include "analysis/noise.h"
 #include "area_samples.h"
+#include "coverage.h"
 
 /*
  * Weighted points as a spread whose variance is known: the five of Gauss and Hermite in both
@@ -140,17 +141,10 @@ static void test_bias(void **state) {
 /* --- stated uncertainties
  * ------------------------------------------------------------------------------------------- */
 
-/* test_circle_slow.c makes as many as are asked for, and lets the noise be estimated as well. */
-#ifndef CASES
-#define CASES 200
+/* test_circle_slow.c lets the noise be estimated as well. */
+#ifndef ALSO_ESTIMATED
 #define ALSO_ESTIMATED false
 #endif
-
-/*
- * By how much a share of 95 % may be off: 2 % are asked of 1000 cases, where its standard deviation
- * is 0.7 %. Of fewer ones, three standard deviations.
- */
-static const double margin = CASES < 1000 ? 3 * 0.2179 / 14.14 : 0.02; /* √(0.95 · 0.05)/√200 */
 
 enum { MAX_FIGURES = 16 };
 

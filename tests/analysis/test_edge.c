@@ -11,41 +11,9 @@
 #include "analysis/blur.h"
 #include "analysis/edge.h"
 #include "analysis/noise.h"
-#include "area_samples.h"
+#include "coverage.h"
+#include "slanted_edge.h"
 #include "truths.h"
-
-/* A uniform disc of radius r: how much of it. */
-static double disc_coverage(double d, double r) {
-    if (fabs(d) >= r) return d > 0 ? 1 : 0;
-    return 0.5 + (d * sqrt(r * r - d * d) + r * r * asin(d / r)) / (M_PI * r * r);
-}
-
-typedef struct picture {
-    double tilt, place,
-        row;     /* the line passes column `place` at `row`; the tilt from the column axis */
-    double disc; /* radius of the blur, 0: none */
-    double dark, bright;
-} picture;
-
-/* The disc in 256 slices of equal width along the normal: off by at most (2r/256)²/12 times the
- * slope of the pixel's coverage: 1e-5. */
-static double pixel_value(const picture *p, double x, double y) {
-    enum { SLICES = 256 };
-    const double cosine = cos(p->tilt), sine = sin(p->tilt);
-    const double d = (x - p->place) * cosine - (y - p->row) * sine;
-    double share = 0;
-    if (p->disc == 0) {
-        share = box_coverage(d, cosine, sine);
-    } else {
-        for (int i = 0; i < SLICES; ++i) {
-            const double low = p->disc * (2.0 * i / SLICES - 1),
-                         high = p->disc * (2.0 * (i + 1) / SLICES - 1);
-            share += (disc_coverage(high, p->disc) - disc_coverage(low, p->disc)) *
-                     box_coverage(d - 0.5 * (low + high), cosine, sine);
-        }
-    }
-    return p->dark + (p->bright - p->dark) * share;
-}
 
 static mcv_readings draw(const picture *p, uint32_t width, uint32_t height, double deviation) {
     mcv_readings r = {0};
@@ -226,20 +194,8 @@ static void test_diffraction(void **state) {
 /* --- stated uncertainties
  * --------------------------------------------------------------------------------------- */
 
-/* test_edge_slow.c makes as many as are asked for. */
-#ifndef REPLICATES
-#define REPLICATES 200
-#endif
-
-/*
- * By how much a share of 95 % may be off: 2 % are asked of 1000 pictures, where its standard
- * deviation is 0.7 %. Of fewer ones, three standard deviations.
- */
-static const double margin =
-    REPLICATES < 1000 ? 3 * 0.2179 / 14.14 : 0.02; /* √(0.95 · 0.05)/√200 */
-
 static bool is_off(int covered, bool may_be_more) {
-    const double share = (double)covered / REPLICATES;
+    const double share = (double)covered / CASES;
     return share < 0.95 - margin || (share > 0.95 + margin && !may_be_more);
 }
 
@@ -270,7 +226,7 @@ static void check_coverage(double disc) {
         clean.values.pixels[i] += (float)p.dark - other.values.pixels[i];
         noisy.deviation.pixels[i] = sqrtf(4 + 0.1F * clean.values.pixels[i]);
     }
-    for (int n = 0; n < REPLICATES; ++n) {
+    for (int n = 0; n < CASES; ++n) {
         for (uint32_t i = 0; i < 120 * 50; ++i) {
             mcv_noise noise = mcv_noise_begin((uint32_t)n, 0, i);
             noisy.values.pixels[i] = (float)(clean.values.pixels[i] +
@@ -290,11 +246,11 @@ static void check_coverage(double disc) {
         mcv_edge_mtf_free(&m);
     }
     for (int k = 0; k < FIGURES; ++k) {
-        print_message("blur %g: %s: %.1f %%\n", disc, names[k], 100.0 * covered[k] / REPLICATES);
+        print_message("blur %g: %s: %.1f %%\n", disc, names[k], 100.0 * covered[k] / CASES);
     }
     for (int k = 0; k < FIGURES; ++k)
         if (is_off(covered[k], false))
-            fail_msg("%s: %d of %d intervals hold the truth", names[k], covered[k], REPLICATES);
+            fail_msg("%s: %d of %d intervals hold the truth", names[k], covered[k], CASES);
     release(&clean);
     release(&other);
     release(&noisy);
@@ -325,7 +281,7 @@ static void check_width(double tilt, double disc, double share, uint32_t width, 
     int covered = 0;
     char box[64];
     snprintf(box, sizeof box, "0,0,%u,%u", width, height);
-    for (uint32_t n = 0; n < REPLICATES; ++n) {
+    for (uint32_t n = 0; n < CASES; ++n) {
         for (uint32_t i = 0; i < width * height; ++i) {
             mcv_noise noise = mcv_noise_begin(n, 0, i);
             noisy.values.pixels[i] = (float)(clean.values.pixels[i] +
@@ -337,10 +293,9 @@ static void check_width(double tilt, double disc, double share, uint32_t width, 
     }
     print_message("tilt %g°, blur %g, noise %g: 10-90 width %.4f, %+.5f in the mean, %.1f %% of %d "
                   "intervals hold it\n",
-                  tilt, disc, share, truth, sum / REPLICATES, 100.0 * covered / REPLICATES,
-                  REPLICATES);
+                  tilt, disc, share, truth, sum / CASES, 100.0 * covered / CASES, CASES);
     if (is_off(covered, share <= 0.003))
-        fail_msg("%d of %d intervals hold the truth", covered, REPLICATES);
+        fail_msg("%d of %d intervals hold the truth", covered, CASES);
     release(&clean);
     release(&noisy);
 }
@@ -381,7 +336,7 @@ static void test_no_edge(void **state) {
     expect_refused(&r, "0,0,50", "X,Y,W,H");
     expect_refused(&r, "0,0,50.5,30", "whole pixels");
     expect_refused(&r, "a=here", "X,Y,W,H");
-    expect_refused(&r, "44,0,9,40", "room");
+    expect_refused(&r, "44,0,9,40", "too little of one side");
     release(&r);
     const picture straight = {.place = 50.3, .row = 20, .dark = 10, .bright = 200};
     r = draw(&straight, 100, 40, 1);

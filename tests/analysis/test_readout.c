@@ -31,49 +31,52 @@ static const part whole = {{NAN, NAN}, {MCV_NONE, MCV_NONE, MCV_NONE, MCV_NONE},
         memcpy((p)->binning, (r)->binning, sizeof(r)->binning); \
     } while (0)
 
+#define SET_FILM(p, r) \
+    do { \
+        (p)->resolution[0] = WIDTH, (p)->resolution[1] = HEIGHT; \
+        (p)->pixelSize[0] = (p)->pixelSize[1] = pixel; \
+        SET_PART(p, r); \
+    } while (0)
+
+#define SET_LENS(p) \
+    do { \
+        (p)->fNumber = 4; \
+        (p)->radiometry = MCV_RADIOMETRY_IRRADIANCE; \
+    } while (0)
+
 /* One sensor of each type, with WIDTH x HEIGHT pixels, macro pixels of the light field camera, in
  * focus at 0.25 m. */
 static mcv_sensor sensor_of(uint32_t type, const part *read) {
     mcv_sensor sensor = sensor_defaults(type);
-    const uint32_t size[2] = {WIDTH, HEIGHT};
     switch (type) {
     case MCV_SENSOR_PINHOLE: {
         mcv_pinhole_params *p = &sensor.as.pinhole;
         p->imageDistance = 0.03;
-        memcpy(p->resolution, size, sizeof size);
-        p->pixelSize[0] = p->pixelSize[1] = pixel;
-        SET_PART(p, read);
+        SET_FILM(p, read);
         break;
     }
     case MCV_SENSOR_THIN_LENS: {
         mcv_thin_lens_params *p = &sensor.as.thin_lens;
         p->focalLength = 0.025;
         p->focusDistance = 0.25;
-        p->fNumber = 4;
-        p->radiometry = MCV_RADIOMETRY_IRRADIANCE;
-        memcpy(p->resolution, size, sizeof size);
-        p->pixelSize[0] = p->pixelSize[1] = pixel;
-        SET_PART(p, read);
+        SET_LENS(p);
+        SET_FILM(p, read);
         break;
     }
     case MCV_SENSOR_TELECENTRIC: {
         mcv_telecentric_params *p = &sensor.as.telecentric;
         p->magnification = 0.125;
         p->workingDistance = 0.25;
-        p->fNumber = 4;
-        p->radiometry = MCV_RADIOMETRY_IRRADIANCE;
-        memcpy(p->resolution, size, sizeof size);
-        p->pixelSize[0] = p->pixelSize[1] = pixel;
-        SET_PART(p, read);
+        SET_LENS(p);
+        SET_FILM(p, read);
         break;
     }
     default: {
         mcv_light_field_params *p = &sensor.as.light_field;
         p->focalLength = 0.025;
         p->focusDistance = 0.25;
-        p->fNumber = 4;
-        p->radiometry = MCV_RADIOMETRY_IRRADIANCE;
-        memcpy(p->spatialResolution, size, sizeof size);
+        SET_LENS(p);
+        p->spatialResolution[0] = WIDTH, p->spatialResolution[1] = HEIGHT;
         p->angularResolution[0] = J;
         p->angularResolution[1] = K;
         p->pixelSize[0] = p->pixelSize[1] = pixel / 2;
@@ -310,9 +313,9 @@ static void test_refused(void **state) {
         {{{NAN, NAN}, {MCV_NONE, MCV_NONE, MCV_NONE, MCV_NONE}, {1, 3}},
          "binning: 3 does not divide the 16 rows"},
         {{{NAN, NAN}, {20, 0, 5, 1}, {1, 1}},
-         "regionOfInterest: columns 20 to 25 leave the film, which has 24"},
+         "regionOfInterest: columns 20 to 25 exceed the film, which has 24"},
         {{{NAN, NAN}, {0, 16, 1, 1}, {1, 1}},
-         "regionOfInterest: rows 16 to 17 leave the film, which has 16"},
+         "regionOfInterest: rows 16 to 17 exceed the film, which has 16"},
         {{{NAN, NAN}, {0, 0, 4, 0}, {1, 1}}, "regionOfInterest: has no rows"},
         {{{2e6, 0}, {MCV_NONE, MCV_NONE, MCV_NONE, MCV_NONE}, {1, 1}},
          "principalPoint: 2e+06 must lie from -1e+06 to 1e+06"},

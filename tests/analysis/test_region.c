@@ -13,6 +13,7 @@
 #include "analysis/blur.h"
 #include "analysis/noise.h"
 #include "analysis/region.h"
+#include "coverage.h"
 #include "io/values.h"
 
 enum { WIDTH = 80, HEIGHT = 60, PLANE = WIDTH * HEIGHT };
@@ -112,18 +113,6 @@ static void test_bad_regions(void **state) {
 
 /* --- uncertainties
  * ---------------------------------------------------------------------------------------------- */
-
-/* test_region_slow.c makes as many as are asked for. */
-#ifndef REPLICATES
-#define REPLICATES 200
-#endif
-
-/*
- * By how much a share of 95 % may be off: 2 % are asked of 1000 pictures, where its standard
- * deviation is 0.7 %. Of fewer ones, three standard deviations.
- */
-static const double margin =
-    REPLICATES < 1000 ? 3 * 0.2179 / 14.14 : 0.02; /* √(0.95 · 0.05)/√200 */
 
 enum { FIGURES = 9 };
 static const char *const names[FIGURES] = {"mean",  "deviation",  "rms contrast",
@@ -230,7 +219,7 @@ static void check_coverage(const scenery *s) {
     const double even = mcv_roi_measure(&silent, &region).uniformity.value; /* by definition */
     const double truths[FIGURES] = {
         m, sm, ss / m, m / sm, even, m - b, (m - b) / b, (m - b) / (m + b), (m - b) / sb};
-    for (uint32_t n = 0; n < REPLICATES; ++n) {
+    for (uint32_t n = 0; n < CASES; ++n) {
         memcpy(noisy.values.pixels, clean.values.pixels, PLANE * sizeof(float));
         if (s->render > 0) render(s, &unblurred.values, n, &noisy);
         for (uint32_t i = 0; i < PLANE; ++i) {
@@ -252,17 +241,17 @@ static void check_coverage(const scenery *s) {
     print_message("%s:", s->name);
     for (int k = 0; k < FIGURES; ++k) {
         print_message(" %s %.1f %%", names[k], 100.0 * covered[k] / given[k]);
-        if (given[k] < REPLICATES) print_message(" of %d", given[k]);
+        if (given[k] < CASES) print_message(" of %d", given[k]);
         print_message(k < FIGURES - 1 ? "," : "\n");
     }
     /* A refusal misleads nobody: at most 5 % of all pictures do. Of those that are left, the ones
      * that came out too large are more. Cells of a uniformity that are no larger than the blur vary
      * less than is said. */
     const double most = (s->known || s->render == 0 ? 0.95 + margin : 0.96 + margin) *
-                        REPLICATES; /* skewed estimates of noise and error add up */
+                        CASES; /* skewed estimates of noise and error add up */
     for (int k = 0; k < FIGURES; ++k)
-        if (given[k] - covered[k] > (0.05 + margin) * REPLICATES ||
-            (s->f_number == 0 && given[k] == REPLICATES && covered[k] > most))
+        if (given[k] - covered[k] > (0.05 + margin) * CASES ||
+            (s->f_number == 0 && given[k] == CASES && covered[k] > most))
             fail_msg("%s: %s: %d of %d intervals hold the truth", s->name, names[k], covered[k],
                      given[k]);
     mcv_roi_free(&region);

@@ -2,5 +2,5 @@
 /* ctest: label slow */
 /* test_region with the 1000 pictures that are asked for: intervals hold the truth in 95 ± 2 % of
  * them. */
-#define REPLICATES 1000
+#define CASES 1000
 #include "test_region.c"

@@ -146,8 +146,8 @@ static void test_bad_input(void **state) {
     write_file("empty.stl", "");
     write_file("cut.stl", "solid x\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\n");
     write_file("comma.stl", "solid x\nfacet normal 0 0 1\nouter loop\nvertex 0,5 0 0\n");
-    program_fails("new telecentric box.stl", 2, "is 40 x 30 x 12 of it; give --unit");
-    program_fails("new telecentric box.stl --unit nm", 3, "is --unit right");
+    program_fails("new telecentric box.stl", 2, "is 40 x 30 x 12 units large; give --unit");
+    program_fails("new telecentric box.stl --unit nm", 3, "is the unit");
     program_fails("new telecentric box.stl --unit furlong", 2, "must be one of");
     program_fails("new periscope box.stl --unit mm", 2, "must be `new telecentric`");
     program_fails("new telecentric none.stl --unit mm", 3, "none.stl");
@@ -159,7 +159,7 @@ static void test_bad_input(void **state) {
     program_fails("new telecentric box.stl --unit mm -o below/rig.gltf", 2, "copy it there");
     assert_int_not_equal(access("below/rig.gltf", F_OK), 0);
     program_well("new telecentric box.stl --unit m --force -o rig.gltf");
-    assert_non_null(strstr(said, "is --unit right"));
+    assert_non_null(strstr(said, "is the unit"));
 }
 
 /* --- what people have edited, and what they wish
@@ -172,11 +172,11 @@ static void test_edited_rig_stays(void **state) {
     program_well("new telecentric box.stl --unit mm -o kept.gltf"); /* the same is no harm */
     write_file("kept.gltf", "edited");
     program_fails("new telecentric box.stl --unit mm -o kept.gltf", 2,
-                  "kept.gltf exists and holds something else");
+                  "kept.gltf exists with other contents");
     assert_string_equal(read_whole("kept.gltf"), "edited");
     program_well("new telecentric box.stl --unit mm -o kept.gltf --force");
     program_well("check kept.gltf");
-    program_fails("new entocentric box.stl --unit mm -o kept.gltf", 2, "--force replaces it");
+    program_fails("new entocentric box.stl --unit mm -o kept.gltf", 2, "replace it by --force");
 }
 
 /* Each light of each camera: nothing that `check` warns of, and what stands before the part does so
@@ -194,7 +194,7 @@ static void test_every_light(void **state) {
                          lights[l]);
                 if (b == 2 && k == 2 && l > 2) { /* a part of 1 mm, seen at 37 degrees from the axis
                                                     at f/4: no room beside that */
-                    program_fails(line, 2, "wish for a larger --f-number");
+                    program_fails(line, 2, "give a larger --f-number");
                     strcat(line, " --f-number 40");
                 }
                 program_well(line);
@@ -212,7 +212,7 @@ static void test_every_light(void **state) {
     /* A lens that is wished for may be too near for a light. */
     program_fails(
         "new entocentric box.stl --unit mm --light dome --working-distance 1.5m -o lit2.gltf", 2,
-        "a dome light for this part reaches");
+        "a dome light for this part extends");
 }
 
 /* All of a mirror has this radiance, its corners too, to five standard errors. */
@@ -313,14 +313,14 @@ static void test_wishes(void **state) {
     assert_non_null(strstr(said, "25.4mm x 20.32mm x 2.54mm"));
     /* A field that is too small for the part is said to be. */
     program_well("new telecentric box.stl --unit mm --field-of-view 20mm --force -o wish.gltf");
-    assert_non_null(strstr(said, "reaches out of the field of view"));
+    assert_non_null(strstr(said, "is larger than the field of view"));
     program_fails("new telecentric box.stl --unit mm --focal-length 25furlong -o wish.gltf", 2,
                   "must be a length above 0");
     program_fails("new telecentric box.stl --unit mm --working-distance -3mm -o wish.gltf", 2,
                   "must be a length above 0");
     program_fails(
         "new telecentric box.stl --unit mm --magnification 1 --field-of-view 6mm -o wish.gltf", 2,
-        "say the same");
+        "determine each other");
     program_fails(
         "new telecentric box.stl --unit mm --focal-length 25mm --working-distance 1 -o wish.gltf",
         2, "leave it out");
@@ -389,6 +389,17 @@ static void test_materials(void **state) {
     program_well("check of.gltf");
     program_fails("new telecentric box.stl --unit mm --material alu -o none.gltf", 2,
                   "known are aluminium, chromium");
+    static const char *const others[] = {"steel", "stainlessSteel", "Brass", "metal"};
+    for (int i = 0; i < 4; ++i) {
+        char line[128];
+        snprintf(line, sizeof line, "new telecentric box.stl --unit mm --material %s -o none.gltf",
+                 others[i]);
+        program_fails(line, 2,
+                      "there is none: metals are aluminium, chromium, copper, gold, iron, nickel, "
+                      "silver, titanium\n");
+    }
+    program_fails("new telecentric box.stl --unit mm --material aluminum -o none.gltf", 2,
+                  "did you mean aluminium?");
     program_fails("new telecentric box.stl --unit mm --material N-BK8 -o none.gltf", 2,
                   "did you mean N-BK7?");
 }

@@ -98,12 +98,10 @@ static void test_text_says_it_in_sentences(void **state) {
     char *text;
     assert_int_equal(mcv_summary_text(&s, &text, &error), MCV_OK);
     assert_string_equal(
-        text, "cam: 2448 x 2048 pixels, 256 samples each, error 0.84 %, 12.3 s\n"
-              "  mean 0.1 W/(m^2 sr); 0.5 % of the pixels are above the preview's white of 0.25\n"
-              "  up to 1.2 % of the light is missing: 12 paths reached the depth limit (--depth)\n"
-              "  3 samples were not finite and are left out\n"
-              "  rig.exr\n"
-              "  rig.png\n");
+        text, "cam: 2448 x 2048 pixels, 256 samples each, error 0.84 %, 12.3 s\n  mean 0.1 W/(m^2 "
+              "sr); 0.5 % of the pixels are above the preview's white of 0.25\n  up to 1.2 % of "
+              "the light is missing: 12 paths reached the depth limit (--depth)\n  3 samples were "
+              "not finite and are ignored\n  rig.exr\n  rig.png\n");
     free(text);
 }
 

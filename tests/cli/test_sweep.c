@@ -168,11 +168,13 @@ static void test_resume(void **state) {
     program_well(SWEEP " --resume"); /* nothing is left to do */
     program_fails("sweep s.gltf --vary emitters/panel/radiance=1,2,5 --region mid=8,6,8,4 --metric "
                   "mid.mean --metric mean --spp 16 --seed 3 --resume",
-                  3, "--vary is not what");
+                  3, "--vary differs");
     program_fails(SWEEP " --depth 3 --resume", 3, "--depth");
     snprintf(part, sizeof part, "%s ", scene);
     write_file("s.gltf", part);
     program_fails(SWEEP " --resume", 3, "has changed");
+    program_fails(SWEEP " --resume --force", 2, "--force");
+    program_well(SWEEP " --force"); /* the changed scene, from the beginning */
 }
 
 static void test_experiment_file(void **state) {
@@ -197,7 +199,7 @@ static void test_experiment_file(void **state) {
     write_file("bad.json", "{\"rig\": \"s.gltf\", \"spp\": \"many\"}");
     program_fails("sweep bad.json", 2, "bad.json: --spp many");
     write_file("bad.json", "{");
-    program_fails("sweep bad.json", 3, "is no JSON");
+    program_fails("sweep bad.json", 3, "is not JSON");
 }
 
 /* Grey values: the noise is the camera's, and the same for all sets. */
@@ -271,7 +273,7 @@ static void test_bad_input(void **state) {
     program_fails("sweep s.gltf --vary emitters/panel/radiance=1 --metric meann", 2,
                   "did you mean \"mean\"");
     program_fails("sweep s.gltf --vary emitters/panel/radiance=1 --metric dent.mean", 2,
-                  "no --region of the name \"dent\"");
+                  "no --region with the name \"dent\"");
     program_fails("sweep s.gltf --vary emitters/panel/radiance=1 --metric contrast_to_noise", 2,
                   "--background");
     program_fails("sweep s.gltf --vary emitters/panel/radiance=1 --metric mtf50", 2, "--edge");
@@ -287,7 +289,7 @@ static void test_bad_input(void **state) {
         "from the first");
     program_fails(
         "sweep s.gltf --vary emitters/panel/radiance=1 --circle a=0,0,16,16 --metric b.radius", 2,
-        "of the name \"b\"");
+        "with the name \"b\"");
     program_fails("sweep s.gltf --vary emitters/panel/radiance=1 --metric mean --until x=1", 2,
                   "no --metric");
     program_fails("sweep s.gltf --vary emitters/panel/radiance=1 --tie sensors/cam/imageDistance=r "
@@ -297,10 +299,10 @@ static void test_bad_input(void **state) {
                   "leaves out all");
     program_fails("sweep s.gltf --vary emitters/panel/radiance=1 --metric mean --spp 4 --region "
                   "far=100,100,4,4",
-                  1, "reaches to column");
+                  1, "extends to column");
     program_fails("sweep s.gltf --vary emitters/panel/radiance=1 --metric mean --spp 4 --in "
                   "emd-gradient -o x.csv",
-                  1, "no light field");
+                  1, "not a light field");
     program_fails("sweep s.gltf --vary emitters/panel/radiance=1 --metric mean -o x.txt", 2,
                   ".csv");
     program_fails("sweep s.gltf --vary emitters/panel/radiance=1 --metric mean -o nowhere/x.csv", 3,

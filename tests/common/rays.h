@@ -16,7 +16,7 @@ typedef struct batch_ray {
 typedef struct tracer {
     mcv_cl cl;
     cl_program program;
-    cl_kernel closest, any, closest_turns, any_turns, closest_bundles, any_bundles, all, count;
+    cl_kernel closest, any, closest_alone, any_alone, closest_together, any_together, all, count;
     cl_mem nodes, leaves;
     cl_uint leaf_count;
 } tracer;
@@ -29,17 +29,18 @@ static inline mcv_result tracer_open(tracer *t, mcv_error *error) {
     MCV_TRY(mcv_cl_build(&t->cl, "test/intersect", "", &t->program, error));
     MCV_TRY(mcv_cl_kernel(t->program, "intersect_closest", &t->closest, error));
     MCV_TRY(mcv_cl_kernel(t->program, "intersect_any", &t->any, error));
-    MCV_TRY(mcv_cl_kernel(t->program, "intersect_closest_turns", &t->closest_turns, error));
-    MCV_TRY(mcv_cl_kernel(t->program, "intersect_any_turns", &t->any_turns, error));
-    MCV_TRY(mcv_cl_kernel(t->program, "intersect_closest_bundles", &t->closest_bundles, error));
-    MCV_TRY(mcv_cl_kernel(t->program, "intersect_any_bundles", &t->any_bundles, error));
+    MCV_TRY(mcv_cl_kernel(t->program, "intersect_closest_alone", &t->closest_alone, error));
+    MCV_TRY(mcv_cl_kernel(t->program, "intersect_any_alone", &t->any_alone, error));
+    MCV_TRY(mcv_cl_kernel(t->program, "intersect_closest_together", &t->closest_together, error));
+    MCV_TRY(mcv_cl_kernel(t->program, "intersect_any_together", &t->any_together, error));
     MCV_TRY(mcv_cl_kernel(t->program, "intersect_all", &t->all, error));
     return mcv_cl_kernel(t->program, "count_hits", &t->count, error);
 }
 
 static inline void tracer_close(tracer *t) {
-    const cl_kernel kernels[] = {t->closest,         t->any,         t->closest_turns, t->any_turns,
-                                 t->closest_bundles, t->any_bundles, t->all,           t->count};
+    const cl_kernel kernels[] = {
+        t->closest,          t->any,          t->closest_alone, t->any_alone,
+        t->closest_together, t->any_together, t->all,           t->count};
     for (size_t i = 0; i < sizeof kernels / sizeof kernels[0]; ++i) {
         if (kernels[i]) clReleaseKernel(kernels[i]);
     }
@@ -65,8 +66,8 @@ static inline mcv_result tracer_load(tracer *t, const mcv_bvh *bvh, mcv_error *e
 static inline mcv_result tracer_run(tracer *t, cl_kernel kernel, const batch_ray *rays,
                                     cl_uint count, void *out, mcv_error *error) {
     const bool through_nodes = kernel != t->all && kernel != t->count;
-    const bool hits = kernel == t->closest || kernel == t->closest_turns ||
-                      kernel == t->closest_bundles || kernel == t->all;
+    const bool hits = kernel == t->closest || kernel == t->closest_alone ||
+                      kernel == t->closest_together || kernel == t->all;
     const size_t bytes = count * (hits ? sizeof(mcv_hit) : sizeof(cl_int));
     const cl_uint slice = RAYS_PER_GROUP;
     const size_t groups = (count + slice - 1) / slice;

@@ -87,6 +87,15 @@ static mcv_experiment make_experiment(told *t) {
         .calls = {.warning = take_warning, .row = take_row, .interrupted = is_stopped, .user = t}};
 }
 
+/* One metric, the mean. */
+static mcv_experiment mean_along(told *t, mcv_texts vary) {
+    static const char *const metrics[] = {"mean"};
+    mcv_experiment e = make_experiment(t);
+    e.variation.vary = vary;
+    e.measuring.metrics = (mcv_texts){metrics, 1};
+    return e;
+}
+
 static mcv_result run_steps(const mcv_experiment *experiment, mcv_sweep *sweep, mcv_error *error) {
     MCV_TRY(mcv_experiment_plan(experiment, sweep, error));
     MCV_TRY(mcv_experiment_open_table(sweep, error));
@@ -188,10 +197,8 @@ static void test_rows(void **state) {
 static void test_failing_set(void **state) {
     told t;
     mcv_sweep sweep;
-    mcv_experiment e = make_experiment(&t);
+    mcv_experiment e = mean_along(&t, TEXTS("sensors/cam/imageDistance=8,1,-1"));
     (void)state;
-    e.variation.vary = TEXTS("sensors/cam/imageDistance=8,1,-1");
-    e.measuring.metrics = TEXTS("mean");
     for (int again = 0; again < 2; ++again) {
         e.resume = again;
         run_well(&e, &sweep);
@@ -211,10 +218,8 @@ static void test_failing_set(void **state) {
 static void test_interrupted(void **state) {
     told t;
     mcv_sweep sweep;
-    mcv_experiment e = make_experiment(&t);
+    mcv_experiment e = mean_along(&t, TEXTS("sensors/cam/imageDistance=1..4:4"));
     (void)state;
-    e.variation.vary = TEXTS("sensors/cam/imageDistance=1..4:4");
-    e.measuring.metrics = TEXTS("mean");
     e.settings = json_pack("{s:i}", "spp", 8);
     t.stop_after = 2;
     run_fails(&e, MCV_INTERRUPTED, "2 rows are in t.csv");
@@ -222,10 +227,10 @@ static void test_interrupted(void **state) {
     assert_int_equal(t.rows, 2);
     assert_int_equal(system("grep -q '<svg' t.html && printf 2,3,0.7 >>t.csv"), 0);
     t.stop_after = 0;
-    run_fails(&e, MCV_BAD_INPUT, "t.csv is there already");
+    run_fails(&e, MCV_BAD_INPUT, "t.csv exists already");
     e.resume = true;
     json_object_set_new(e.settings, "spp", json_integer(9));
-    run_fails(&e, MCV_BAD_INPUT, "--spp is not what t.csv was begun with");
+    run_fails(&e, MCV_BAD_INPUT, "--spp differs from that of t.csv");
     json_object_set_new(e.settings, "spp", json_integer(8));
     renders = 0;
     run_well(&e, &sweep);
@@ -268,7 +273,7 @@ static void test_errors_are_values(void **state) {
     e.variation.vary = TEXTS("sensors/cam/imageDistance=1,2");
     run_fails(&e, MCV_USAGE, "--metric is missing");
     e.measuring.metrics = TEXTS("dent.mean");
-    run_fails(&e, MCV_USAGE, "no --region of the name \"dent\"");
+    run_fails(&e, MCV_USAGE, "no --region with the name \"dent\"");
     e.measuring.places.regions = TEXTS("dent=0,0,2,2");
     e.table = "t.txt";
     run_fails(&e, MCV_USAGE, "must end in .csv");

@@ -5,6 +5,9 @@
 
 #define MCV_BVH_LEVELS 5
 #include "accel/bvh.c"
+#include "accel/bvh_binary.c"
+#include "accel/bvh_collapse.c"
+#include "accel/bvh_triangles.c"
 #include "mesh.h"
 
 static uint32_t levels_below(const mcv_bvh *bvh, uint32_t number) {

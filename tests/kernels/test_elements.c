@@ -146,15 +146,18 @@ static void check_sensor(const sensor_case *c) {
     check_whole_or_part(&part);
 }
 
+#define SET_FILM(p, columns, rows, width, height) \
+    do { \
+        (p)->resolution[0] = (columns), (p)->resolution[1] = (rows); \
+        (p)->pixelSize[0] = (width), (p)->pixelSize[1] = (height); \
+    } while (0)
+
 static void test_pinhole(void **state) {
     sensor_case c = {.name = "pinhole", .sensor = sensor_defaults(MCV_SENSOR_PINHOLE)};
     mcv_pinhole_params *p = &c.sensor.as.pinhole;
     (void)state;
     p->imageDistance = 0.016;
-    p->resolution[0] = 1279;
-    p->resolution[1] = 1024;
-    p->pixelSize[0] = 5e-6;
-    p->pixelSize[1] = 4e-6;
+    SET_FILM(p, 1279, 1024, 5e-6, 4e-6);
     c.direct = 640 * 5e-6 / 0.016;
     check_sensor(&c);
 }
@@ -166,9 +169,7 @@ static void test_thin_lens(void **state) {
     p->focalLength = 0.025;
     p->imageDistance = 0.0256;
     p->lensDiameter = 0.006;
-    p->resolution[0] = 2448;
-    p->resolution[1] = 2048;
-    p->pixelSize[0] = p->pixelSize[1] = 3.45e-6;
+    SET_FILM(p, 2448, 2048, 3.45e-6, 3.45e-6);
     p->radiometry = MCV_RADIOMETRY_IRRADIANCE;
     c.aperture = 0.003;
     c.kappa = 1 / 0.025 - 1 / 0.0256;
@@ -185,9 +186,7 @@ static void test_telecentric(void **state) {
     p->imageDistance = 0.0275;
     p->stopDiameter = 0.004;
     p->lensDiameter = 0.03; /* the field's corners are vignetted */
-    p->resolution[0] = 2448;
-    p->resolution[1] = 2048;
-    p->pixelSize[0] = p->pixelSize[1] = 3.45e-6;
+    SET_FILM(p, 2448, 2048, 3.45e-6, 3.45e-6);
     p->radiometry = MCV_RADIOMETRY_IRRADIANCE;
     c.aperture = 0.002 * 5;
     c.image_to_lens = 1224 * 3.45e-6 * 4;
@@ -279,8 +278,7 @@ static void test_inverse_of_pinhole(void **state) {
     mcv_pinhole_params *p = &sensor.as.pinhole;
     (void)state;
     p->imageDistance = 0.016;
-    p->resolution[0] = 120, p->resolution[1] = 80;
-    p->pixelSize[0] = 5e-5, p->pixelSize[1] = 4e-5;
+    SET_FILM(p, 120, 80, 5e-5, 4e-5);
     check_inverse(&sensor, 1, false, p->pixelSize, 1 / 0.016);
 }
 
@@ -291,8 +289,7 @@ static void test_inverse_of_thin_lens(void **state) {
     p->focalLength = 0.025;
     p->imageDistance = 0.03;
     p->lensDiameter = 0.006;
-    p->resolution[0] = 120, p->resolution[1] = 80;
-    p->pixelSize[0] = 5e-5, p->pixelSize[1] = 4e-5;
+    SET_FILM(p, 120, 80, 5e-5, 4e-5);
     p->radiometry = MCV_RADIOMETRY_IRRADIANCE;
     check_inverse(&sensor, M_PI * 0.003 * 0.003, false, p->pixelSize, 1 / 0.03);
 }
@@ -304,8 +301,7 @@ static void test_inverse_of_telecentric(void **state) {
     p->focalLength = 0.022;
     p->imageDistance = 0.0275;
     p->stopDiameter = 0.004;
-    p->resolution[0] = 120, p->resolution[1] = 80;
-    p->pixelSize[0] = 5e-5, p->pixelSize[1] = 4e-5;
+    SET_FILM(p, 120, 80, 5e-5, 4e-5);
     p->radiometry = MCV_RADIOMETRY_IRRADIANCE;
     check_inverse(&sensor, M_PI * pow(0.002 / 0.022, 2), true, p->pixelSize,
                   0.022 / (0.0275 - 0.022));

@@ -74,7 +74,12 @@ static void open_world(world_on_device *w, const mcv_scene *scene) {
     const mcv_frame frame = {.emitter_count = packed->emitter_count,
                              .environment_emitter = packed->environment_emitter};
     BUILD(mcv_cl_write(&cl, w->scene.frame, 0, sizeof frame, &frame, &builder_error));
-    mcv_feature_defines(packed->features, packed->channels, MCV_SENSOR_PINHOLE, MCV_SAMPLER_SOBOL,
+    /* All kinds of emitters, as in a scene that has them: the cases share programs. */
+    uint32_t features = packed->features | 1u << MCV_FEATURE_PARALLEL | 1u << MCV_FEATURE_AREA |
+                        1u << MCV_FEATURE_BEAM | 1u << MCV_FEATURE_PUNCTUAL;
+    if (features >> MCV_FEATURE_TEXTURE & 1)
+        features |= 1u << MCV_FEATURE_LIGHT_FIELD | 1u << MCV_FEATURE_PROJECTOR;
+    mcv_feature_defines(features, packed->channels, MCV_SENSOR_PINHOLE, MCV_SAMPLER_SOBOL,
                         MCV_BLOCK, options, sizeof options);
     BUILD(mcv_cl_build(&cl, "test/emitters", options, &w->program, &builder_error));
 }

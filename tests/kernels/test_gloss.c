@@ -74,7 +74,7 @@ typedef struct bench {
     size_t bytes;
     ref_gloss_tables tables;
     ref_gloss gloss;
-    double alpha; /* the least */
+    double alpha, alphas[2]; /* the least; along x and y */
 } bench;
 
 /* Albedos take a while: what has been made of a subject is kept. */
@@ -85,7 +85,10 @@ static struct {
 } made[SUBJECTS];
 
 static bench open_bench(const subject *s, bool inside, bool with_reference) {
-    const size_t number = (size_t)(s - subjects);
+    /* From inside it is the same body as the subject before, from outside. */
+    const bool again =
+        s->inside && memcmp(&s->material.as, &s[-1].material.as, sizeof s->material.as) == 0;
+    const size_t number = (size_t)(s - subjects) - again;
     mcv_material material = s->material;
     float linear[3] = {1, 1, 1};
     material.name = (char *)"gloss";
@@ -136,7 +139,8 @@ static bench open_bench(const subject *s, bool inside, bool with_reference) {
         b.element->offset = between.offset;
     }
     memcpy(b.element + 1, packed.albedos, sizeof(float) * packed.albedo_count);
-    b.alpha = alpha;
+    b.alpha = b.alphas[1] = alpha;
+    b.alphas[0] = alpha + (1 - alpha) * gloss->anisotropy;
     b.gloss = (ref_gloss){
         .material = &b.scene->materials[0],
         .table = ref_gloss_find(&b.tables, b.scene, 0, s->type == MCV_MATERIAL_DIELECTRIC ? 1 : 0),
@@ -362,21 +366,21 @@ static void test_furnace(void **state) {
 }
 
 /* Smith's Λ of GGX; of a direction that goes down it is -1 - Λ of its opposite. */
-static double smith(double alpha, ref_vec w) {
-    const double slope = alpha * hypot(w.x, w.y) / fabs(w.z),
+static double smith(const double alpha[2], ref_vec w) {
+    const double slope = hypot(alpha[0] * w.x, alpha[1] * w.y) / fabs(w.z),
                  up = (sqrt(1 + slope * slope) - 1) / 2;
     return w.z > 0 ? up : -1 - up;
 }
 
 /* A normal as GGX's microfacets show them to w, which may come from below: stretched to a
  * hemisphere, of which reflections fill a cap evenly (Dupuy and Benyoub 2023). */
-static ref_vec visible_normal(double alpha, ref_vec w, ref_random *random) {
-    const ref_vec on = ref_unit((ref_vec){alpha * w.x, alpha * w.y, w.z});
+static ref_vec visible_normal(const double alpha[2], ref_vec w, ref_random *random) {
+    const ref_vec on = ref_unit((ref_vec){alpha[0] * w.x, alpha[1] * w.y, w.z});
     const double phi = 2 * M_PI * ref_random_unit(random),
                  z = (1 - ref_random_unit(random)) * (1 + on.z) - on.z,
                  sine = sqrt(fmax(1 - z * z, 0));
     const ref_vec h = {sine * cos(phi) + on.x, sine * sin(phi) + on.y, z + on.z};
-    return ref_unit((ref_vec){alpha * h.x, alpha * h.y, fmax(h.z, 0)});
+    return ref_unit((ref_vec){alpha[0] * h.x, alpha[1] * h.y, fmax(h.z, 0)});
 }
 
 /*
@@ -385,7 +389,7 @@ static ref_vec visible_normal(double alpha, ref_vec w, ref_random *random) {
  * first reflection, and that after any. `below` is the share of the surface below the light; U of
  * an exponential free path. At each reflection a metal takes its part.
  */
-static void walk(double alpha, double n, double k, ref_vec from, ref_random *random,
+static void walk(const double alpha[2], double n, double k, ref_vec from, ref_random *random,
                  double shares[2]) {
     ref_vec w = ref_scale(-1, from);
     double below = 1, weight = 1;
@@ -415,17 +419,17 @@ static void walk(double alpha, double n, double k, ref_vec from, ref_random *ran
  * the density of reaching its last facet; from the other it is that times u_k^Λ(to) D_k σ(w_1)/to_z
  * over u_1^Λ(from) D_1 σ(-w_k)/from_z, with σ the area that is seen.
  */
-static double seen_area(double alpha, ref_vec w) {
+static double seen_area(const double alpha[2], ref_vec w) {
     return w.z > 0 ? w.z * (1 + smith(alpha, w)) : -w.z * smith(alpha, ref_scale(-1, w));
 }
 
-static double facet_density(double alpha, ref_vec a, ref_vec b) {
+static double facet_density(const double alpha[2], ref_vec a, ref_vec b) {
     const ref_vec h = ref_unit(ref_add(a, b));
-    const double s = (h.x * h.x + h.y * h.y) / (alpha * alpha) + h.z * h.z;
-    return h.z > 0 ? 1 / (M_PI * alpha * alpha * s * s) : 0;
+    const double s = pow(h.x / alpha[0], 2) + pow(h.y / alpha[1], 2) + h.z * h.z;
+    return h.z > 0 ? 1 / (M_PI * alpha[0] * alpha[1] * s * s) : 0;
 }
 
-static void walk_to(double alpha, double n, double k, ref_vec from, ref_vec to, int walks,
+static void walk_to(const double alpha[2], double n, double k, ref_vec from, ref_vec to, int walks,
                     ref_random *random, double sums[3]) {
     double squares = 0;
     sums[0] = sums[1] = 0;
@@ -523,12 +527,12 @@ static void test_directions(void **state) {
                                                                          : ring
                                                                              ? RING_WALKS / PLACES
                                                                              : RING_WALKS;
-            walk_to(b.alpha, n, k, pairs[c][0], pairs[c][1], walks, &random, sums);
+            walk_to(b.alphas, n, k, pairs[c][0], pairs[c][1], walks, &random, sums);
             const ref_vec o = pairs[c][0], i = pairs[c][1];
             const double c_half = sqrt(fmax(0.5 + 0.5 * ref_dot(o, i), 0));
             const double once = ref_conductor_reflectance(n, k, c_half) *
-                                facet_density(b.alpha, o, i) /
-                                (4 * o.z * (1 + smith(b.alpha, o) + smith(b.alpha, i)));
+                                facet_density(b.alphas, o, i) /
+                                (4 * o.z * (1 + smith(b.alphas, o) + smith(b.alphas, i)));
             const double truth = once + sums[1], off = results[2 * c] / truth - 1,
                          error = sqrt(sums[2]) / truth;
             if (ring >= 0) {
@@ -537,7 +541,7 @@ static void test_directions(void **state) {
                 variance[ring] += sums[2];
                 continue;
             }
-            if (error <= 0.01 && fmax(smith(b.alpha, o), smith(b.alpha, i)) >= 5e-3) {
+            if (error <= 0.01 && fmax(smith(b.alphas, o), smith(b.alphas, i)) >= 5e-3) {
                 squares += off * off - error * error;
                 most = fmax(most, fabs(off) - 4 * error);
                 ++known;
@@ -571,6 +575,85 @@ static void test_directions(void **state) {
 }
 
 /*
+ * Brushed metals: what they lose in one reflection comes back right in sum, but by a cosine, not
+ * where walks send it. How far that is from walks stands in docs/limitations.md: at most as much
+ * here. Pairs of 10 to 85° at azimuths along the brushing, across and between: the share of the
+ * light that goes elsewhere, less the walks' own error. Low rings at 8 to 20° seen from above.
+ * Once: the closed form is the walks', to 1 %, 400 walks of each of 864 pairs.
+ */
+enum { BRUSHED_TURNS = 8, BRUSHED_PAIRS = 6 * 3 * 6 * BRUSHED_TURNS, BRUSHED_RING = 48 };
+
+static void put_brushed(size_t c, float *to) {
+    static const double angles[] = {10, 30, 50, 65, 75, 85};
+    for (size_t end = 0; end < 2; ++end) {
+        double angle = angles[end ? c / 18 % 6 : c % 6] * M_PI / 180,
+               phi = end ? (double)(c / 108) * 2 * M_PI / BRUSHED_TURNS + 0.1
+                         : (double)(c / 6 % 3) * M_PI / 4;
+        if (c >= BRUSHED_PAIRS) {
+            const double ring = (double)(c - BRUSHED_PAIRS) + 0.5;
+            angle = end ? (70 + fmod(ring, 12)) * M_PI / 180 : 0;
+            phi = floor(ring / 12) * M_PI / 8 + M_PI / 16;
+        }
+        put(to + 3 * end, (ref_vec){sin(angle) * cos(phi), sin(angle) * sin(phi), cos(angle)});
+    }
+}
+
+static void check_brushed(const subject *s, float *cases, float *results) {
+    const double n = s->material.as.conductor.n[0], k = s->material.as.conductor.k[0];
+    bench b = open_bench(s, false, false);
+    ref_random random = {(uint64_t)(s - subjects) + 600};
+    double total = 0, moved = 0, first[2] = {0}, ring[3] = {0};
+    for (size_t c = 0; c < CASES; ++c)
+        put_brushed(c % (BRUSHED_PAIRS + BRUSHED_RING), cases + 6 * c);
+    on_device(&b, "evaluate_gloss", cases, 2, results);
+    for (size_t c = 0; c < BRUSHED_PAIRS + BRUSHED_RING; ++c) {
+        const float *w = cases + 6 * c;
+        const ref_vec o = {w[0], w[1], w[2]}, i = {w[3], w[4], w[5]};
+        double sums[3];
+        walk_to(b.alphas, n, k, o, i, c < BRUSHED_PAIRS ? 400 : 6000, &random, sums);
+        const double half = sqrt(fmax(0.5 + 0.5 * ref_dot(o, i), 0)),
+                     once = ref_conductor_reflectance(n, k, half) * facet_density(b.alphas, o, i) /
+                            (4 * o.z * (1 + smith(b.alphas, o) + smith(b.alphas, i))),
+                     truth = once + sums[1];
+        if (c >= BRUSHED_PAIRS) {
+            ring[0] += results[2 * c];
+            ring[1] += truth;
+            ring[2] += sums[2];
+            continue;
+        }
+        /* Both solid angles, and what is seen of the surface. */
+        const double weight = sqrt(1 - o.z * o.z) * o.z * sqrt(1 - i.z * i.z);
+        first[0] += weight * sums[0];
+        first[1] += weight * once;
+        total += weight * truth;
+        moved += weight * fmax(fabs(results[2 * c] - truth) - sqrt(sums[2]), 0);
+    }
+    print_message("%s, α %.3f and %.3f: %.4f of the light goes elsewhere; low ring %.4f ± %.4f of "
+                  "the walks'; once %.4f\n",
+                  s->name, b.alphas[0], b.alphas[1], moved / total, ring[0] / ring[1],
+                  sqrt(ring[2]) / ring[1], first[0] / first[1]);
+    note_truth("T15 brushed metals: light that goes elsewhere than walks", "device", moved / total,
+               0.25);
+    note_truth("T15 brushed metals: BRDF by walks, low ring", "device", fabs(ring[0] / ring[1] - 1),
+               0.25);
+    if (!(moved / total <= 0.25 && fabs(ring[0] / ring[1] - 1) <= 0.25 &&
+          fabs(first[0] / first[1] - 1) <= 0.01))
+        fail_msg("%s: more than what the limitations say", s->name);
+    close_bench(&b);
+}
+
+static void test_brushed(void **state) {
+    float *cases = floats(6 * CASES), *results = floats(2 * CASES);
+    (void)state;
+    for (int s = 0; s < SUBJECTS; ++s)
+        if (subjects[s].type == MCV_MATERIAL_CONDUCTOR &&
+            subjects[s].material.as.conductor.anisotropy > 0)
+            check_brushed(&subjects[s], cases, results);
+    free(cases);
+    free(results);
+}
+
+/*
  * Metals send out what such walks do: within 1 %, the goal, at every angle, and nearer to it than
  * what leaves after one reflection, which lacks 0.4 % upright and 8 % at a flat angle where α =
  * 0.05. The walks themselves: after one reflection the device's table, of another integral, within
@@ -582,30 +665,38 @@ static void test_walk(void **state) {
     (void)state;
     for (int k = 0; k < SUBJECTS; ++k) {
         const subject *s = &subjects[k];
-        if (s->type != MCV_MATERIAL_CONDUCTOR || s->material.as.conductor.anisotropy > 0) continue;
+        if (s->type != MCV_MATERIAL_CONDUCTOR) continue;
+        const int turns = s->material.as.conductor.anisotropy > 0 ? 2 : 1; /* along, across */
         bench b = open_bench(s, s->inside, false);
         ref_random random = {(uint64_t)k + 400};
-        for (int angle = 0; angle < ANGLES; ++angle) {
-            const double z = cosines[angle], ours = albedo_of(&b, z, 0, &random, cases, results);
+        for (int place = 0; place < turns * ANGLES; ++place) {
+            const double z = cosines[place % ANGLES], phi = place / ANGLES * M_PI / 2,
+                         sine = sqrt(1 - z * z),
+                         ours = albedo_of(&b, z, phi, &random, cases, results);
             double once = 0, squares = 0, all = 0, shares[2];
             for (int i = 0; i < WALKS; ++i) {
-                walk(b.alpha, s->material.as.conductor.n[0], s->material.as.conductor.k[0],
-                     (ref_vec){sqrt(1 - z * z), 0, z}, &random, shares);
+                walk(b.alphas, s->material.as.conductor.n[0], s->material.as.conductor.k[0],
+                     (ref_vec){sine * cos(phi), sine * sin(phi), z}, &random, shares);
                 once += shares[0] / WALKS;
                 squares += shares[0] * shares[0] / WALKS;
                 all += shares[1] / WALKS;
             }
-            print_message("%s, cosine %g: albedo %.5f, by walks %.5f, after one reflection %.5f\n",
-                          s->name, z, ours, all, once);
-            note_truth("T15 rough metals: albedo by walks from microfacet to microfacet", "device",
-                       fabs(ours - all), 0.01);
-            if (!(fabs(ours - all) <= fmin(0.01, (all - once) / 2)))
+            print_message("%s, cosine %g, azimuth %g: albedo %.5f, by walks %.5f, after one "
+                          "reflection %.5f\n",
+                          s->name, z, phi, ours, all, once);
+            /* What brushed metals absorb in further reflections is that of a mean angle. */
+            const double most = turns > 1 ? 0.02 : 0.01;
+            note_truth(turns > 1
+                           ? "T15 brushed metals: albedo by walks"
+                           : "T15 rough metals: albedo by walks from microfacet to microfacet",
+                       "device", fabs(ours - all), most);
+            if (!(fabs(ours - all) <= fmin(most, (all - once) / 2)))
                 fail_msg("%s, cosine %g: albedo %.5f, by walks %.5f, after one reflection %.5f",
                          s->name, z, ours, all, once);
             const double lost = (double)((
                 const float *)(const void *)(b.element +
                                              1))[b.element->table + 2 * MCV_ALBEDO_COSINES];
-            if (s->lossless && z == 1 &&
+            if (s->lossless && turns == 1 && z == 1 &&
                 !(fabs(1 - once - lost) <= 2e-3 + 4 * sqrt((squares - once * once) / WALKS)))
                 fail_msg("%s: after one reflection %.5f of the walks leave, by the table %.5f",
                          s->name, once, 1 - lost);
@@ -702,6 +793,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_reference), cmocka_unit_test(test_reciprocity),
         cmocka_unit_test(test_furnace),   cmocka_unit_test(test_directions),
-        cmocka_unit_test(test_walk),      cmocka_unit_test(test_choices)};
+        cmocka_unit_test(test_walk),      cmocka_unit_test(test_brushed),
+        cmocka_unit_test(test_choices)};
     return cmocka_run_group_tests(tests, open_gloss, close_gloss);
 }

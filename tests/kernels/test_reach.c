@@ -81,6 +81,15 @@ static void add_unreachable(mcv_scene *scene, unreachable what) {
     }
 }
 
+/* Lets light through. Where the test needs none it lies below the floor: all scenes share one
+ * program. */
+static uint32_t add_translucent(mcv_scene *scene, double share) {
+    mcv_material material = {.texture = MCV_NONE};
+    for (int k = 0; k < 3; ++k)
+        material.as.diffuse.reflectance[k] = material.as.diffuse.transmittance[k] = share;
+    return add_material(scene, MCV_MATERIAL_DIFFUSE, &material);
+}
+
 static mcv_scene *lit_floor(void) {
     mcv_scene *scene = mcv_scene_new("floor");
     add_rectangle(scene, 1, 1, add_diffuse(scene, 0.5), looking_up_z(0, 0, 0));
@@ -111,7 +120,7 @@ static void test_what_cannot_reach(void **state) {
             add_unreachable(two, other);
             if (other != what) set_dark(two->emitters + first);
         }
-        add_sphere(two, 0.1, 16, add_diffuse(two, 0.6), looking_down_z(0.1, 0, -2));
+        add_sphere(two, 0.1, 16, add_translucent(two, 0.3), looking_down_z(0.1, 0, -2));
         render(two, 4, 16, 0, &both);
         double worst = 0;
         for (size_t i = 0; i < (size_t)4 * PIXELS * PIXELS; ++i)
@@ -173,13 +182,9 @@ static void add_one_of_many(mcv_scene *scene, int which) {
  * all sorts around, all or one. */
 static mcv_scene *many_lights(bool translucent, int only) {
     mcv_scene *scene = mcv_scene_new("lights");
-    mcv_material floor = {.texture = MCV_NONE};
-    for (int k = 0; k < 3; ++k) {
-        floor.as.diffuse.reflectance[k] = 0.4;
-        floor.as.diffuse.transmittance[k] = translucent ? 0.4 : 0;
-    }
-    add_rectangle(scene, 1, 1, add_material(scene, MCV_MATERIAL_DIFFUSE, &floor),
-                  looking_up_z(0, 0, 0));
+    const uint32_t opaque = add_diffuse(scene, 0.4), film = add_translucent(scene, 0.4);
+    add_rectangle(scene, 1, 1, translucent ? film : opaque, looking_up_z(0, 0, 0));
+    if (!translucent) add_rectangle(scene, 0.1, 0.1, film, looking_up_z(0, 0, -2));
     add_sphere(scene, 0.1, 16, add_diffuse(scene, 0.6), looking_down_z(0.1, 0, 0.1));
     /* Bodies of lamps stay where their light is left out. */
     for (int i = 0; i < LIGHTS; ++i) {

@@ -113,8 +113,8 @@ static uint64_t count_hits_at_ends(uint32_t mesh_number, batch_ray *rays, uint32
         if (closest[i].triangle != MCV_NONE) rays[i].t_max = closest[i].t;
     for (int way = 0; way < 3; ++way) {
         run(way == 0   ? device.any
-            : way == 1 ? device.any_turns
-                       : device.any_bundles,
+            : way == 1 ? device.any_alone
+                       : device.any_together,
             rays, count, found);
         for (uint32_t i = 0; i < count; ++i)
             if (found[i] && wrong++ < 5)
@@ -149,15 +149,16 @@ static void test_same_hit_as_all_triangles(void **state) {
             run(device.closest, rays, COUNT, got);
             run(device.any, rays, COUNT, found);
             run(device.all, rays, COUNT, wanted);
-            for (int bundles = 0; bundles < 2; ++bundles) {
-                run(bundles ? device.closest_bundles : device.closest_turns, rays, COUNT, got_many);
-                run(bundles ? device.any_bundles : device.any_turns, rays, COUNT, found_many);
+            for (int together = 0; together < 2; ++together) {
+                run(together ? device.closest_together : device.closest_alone, rays, COUNT,
+                    got_many);
+                run(together ? device.any_together : device.any_alone, rays, COUNT, found_many);
                 for (uint32_t i = 0; i < COUNT; ++i) {
                     const bool same = memcmp(got + i, got_many + i, sizeof *got) == 0 &&
                                       found[i] == found_many[i];
                     if (!same && wrong++ < 5)
                         print_error("mesh %u, ray %u: another answer in %s\n", number, i,
-                                    bundles ? "a bundle" : "turns");
+                                    together ? "a bundle" : "turns");
                 }
             }
             for (uint32_t i = 0; i < COUNT; ++i) {
@@ -548,12 +549,12 @@ static void test_odd_rays_miss(void **state) {
         for (int i = 0; i < 3 * COUNT; ++i) {
             /* Twice more, in turns and in bundles. */
             if (i == COUNT) {
-                run(device.closest_turns, odd, COUNT, hits);
-                run(device.any_turns, odd, COUNT, found);
+                run(device.closest_alone, odd, COUNT, hits);
+                run(device.any_alone, odd, COUNT, found);
             }
             if (i == 2 * COUNT) {
-                run(device.closest_bundles, odd, COUNT, hits);
-                run(device.any_bundles, odd, COUNT, found);
+                run(device.closest_together, odd, COUNT, hits);
+                run(device.any_together, odd, COUNT, found);
             }
             const int ray = i % COUNT;
             if (hits[ray].triangle != MCV_NONE || found[ray])

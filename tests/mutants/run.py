@@ -1,8 +1,12 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Plants one fault at a time in a copy of the sources and runs the tests that should catch it: tests/mutants/run.py [K/N] [--only TEXT].
+"""Plants one fault at a time in a copy of the sources and runs the tests that should catch it.
 
-mutants.toml says what is planted where; README.md beside it says what each test guards. Python's standard library only."""
+Usage: tests/mutants/run.py [K/N] [--only TEXT]
+
+mutants.toml says what is planted where; README.md beside it says what each test guards.
+Python's standard library only.
+"""
 
 import argparse
 import concurrent.futures
@@ -25,20 +29,39 @@ HERE = pathlib.Path(__file__).resolve().parent
 ROOT = HERE.parent.parent
 WORK = ROOT / "build" / "mutants"
 # What a copy needs to build the library, the program and the tests, and what the tests read.
-COPIED = ["CMakeLists.txt", "CMakePresets.json", "README.md", "run", "docs", "host", "include", "kernels", "scenes", "tests", "tools"]
-DEVICE = ("kernels", "include")  # read by OpenCL's compiler at run time: nothing is built for a fault there
+COPIED = [
+    "CMakeLists.txt",
+    "CMakePresets.json",
+    "README.md",
+    "run",
+    "docs",
+    "host",
+    "include",
+    "kernels",
+    "scenes",
+    "tests",
+    "tools",
+]
+DEVICE = (
+    "kernels",
+    "include",
+)  # read by OpenCL's compiler at run time: nothing is built for a fault there
 SECONDS = 300  # for one test
 
 
 def pattern_of(text):
     """The text as it may stand in a source, however its lines are broken: in macros, too."""
     words = re.findall(r"\w+|[^\w\s]", text)
-    gaps = [r"[\s\\]+" if a[-1].isalnum() and b[0].isalnum() else r"[\s\\]*" for a, b in zip(words, words[1:])]
+    gaps = [
+        r"[\s\\]+" if a[-1].isalnum() and b[0].isalnum() else r"[\s\\]*"
+        for a, b in zip(words, words[1:])
+    ]
     return re.compile("".join(re.escape(w) + g for w, g in zip(words, gaps + [""])))
 
 
 class Mutant:
-    """A fault: text that is found `times` times below the folder or in the file `where`, and what replaces it."""
+    """A fault: a text, which occurs `times` times in the folder or file `where`, and its
+    replacement."""
 
     def __init__(self, entry):
         known = {"name", "find", "replace", "where", "times", "tests"}
@@ -48,7 +71,9 @@ class Mutant:
         self.where, self.times, self.tests = entry["where"], entry.get("times", 1), entry["tests"]
         self.pattern = pattern_of(self.find)
         if not self.tests or self.find == self.replace:
-            raise ValueError(f"{self.name}: a fault needs tests, and a replacement that differs from the text")
+            raise ValueError(
+                f"{self.name}: a fault needs tests, and a replacement that differs from the text"
+            )
 
     @property
     def on_device(self):
@@ -57,13 +82,23 @@ class Mutant:
     def files(self, tree):
         """The files that hold the text, each with how often."""
         folders = DEVICE if self.where == "device" else (self.where,)
-        paths = [p for f in folders for p in ([tree / f] if (tree / f).is_file() else sorted((tree / f).rglob("*.*")))]
-        found = [(p, len(self.pattern.findall(p.read_text()))) for p in paths if p.suffix in (".c", ".cpp", ".h", ".cl")]
+        paths = [
+            p
+            for f in folders
+            for p in ([tree / f] if (tree / f).is_file() else sorted((tree / f).rglob("*.*")))
+        ]
+        found = [
+            (p, len(self.pattern.findall(p.read_text())))
+            for p in paths
+            if p.suffix in (".c", ".cpp", ".h", ".cl")
+        ]
         found = [(p, count) for p, count in found if count]
         total = sum(count for _, count in found)
         if total != self.times:
-            raise LookupError(f'"{self.find}" is found {total} times in {self.where}, not {self.times}'
-                              + "".join(f"; {p.relative_to(tree)}: {c}" for p, c in found))
+            raise LookupError(
+                f'"{self.find}" is found {total} times in {self.where}, not {self.times}'
+                + "".join(f"; {p.relative_to(tree)}: {c}" for p, c in found)
+            )
         return [p for p, _ in found]
 
 
@@ -84,18 +119,26 @@ class Worker:
         self.device = WORK / f"device-{number}"
         self.build = self.tree / "build" / "release"
         self.jobs = jobs
-        self.environment = dict(os.environ, CCACHE_BASEDIR=str(self.tree), CCACHE_NOHASHDIR="1",
-                                POCL_CACHE_DIR=str(WORK / "programs"), LC_ALL="C.UTF-8")
+        self.environment = dict(
+            os.environ,
+            CCACHE_BASEDIR=str(self.tree),
+            CCACHE_NOHASHDIR="1",
+            POCL_CACHE_DIR=str(WORK / "programs"),
+            LC_ALL="C.UTF-8",
+        )
 
     def prepare(self, targets):
-        """Brings the copy up to date, file by file where the text differs: what is built of the others stays."""
+        """Updates the copy: only files whose text differs, so that the others stay built."""
         for name in COPIED:
             mirror(ROOT / name, self.tree / name)
         for name in DEVICE:
             mirror(ROOT / name, self.device / name)
         configure = ["cmake", "--preset", "release", "-DMCV_TESTS=ON", "-DMCV_BENCH=OFF"]
         if shutil.which("ccache"):
-            configure += ["-DCMAKE_C_COMPILER_LAUNCHER=ccache", "-DCMAKE_CXX_COMPILER_LAUNCHER=ccache"]
+            configure += [
+                "-DCMAKE_C_COMPILER_LAUNCHER=ccache",
+                "-DCMAKE_CXX_COMPILER_LAUNCHER=ccache",
+            ]
         for command in (configure, self.build_command(targets)):
             done = self.run(command, self.tree)
             if done.returncode:
@@ -105,9 +148,17 @@ class Worker:
         return ["cmake", "--build", str(self.build), "-j", str(self.jobs), "--target", *targets]
 
     def run(self, command, folder, **more):
-        """Runs a command in a process group of its own, so that nothing of it is left when its time is over."""
-        with subprocess.Popen(command, cwd=folder, env=dict(self.environment, **more), stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
-                              text=True, errors="replace", start_new_session=True) as process:
+        """Runs a command in its own process group, so that all of it ends when its time is over."""
+        with subprocess.Popen(
+            command,
+            cwd=folder,
+            env=dict(self.environment, **more),
+            stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT,
+            text=True,
+            errors="replace",
+            start_new_session=True,
+        ) as process:
             try:
                 out, _ = process.communicate(timeout=SECONDS)
             except subprocess.TimeoutExpired:
@@ -116,7 +167,7 @@ class Worker:
             return subprocess.CompletedProcess(command, process.returncode, out)
 
     def test(self, test, on_device):
-        """Whether the test passes, and why not. It must have run: a filter that matches nothing passes, too."""
+        """Whether the test passes, and why not. It must run: an empty filter would pass."""
         program, _, pattern = test.partition(":")
         more = {"MCVISI_TEST_FILTER": pattern}
         if on_device:
@@ -179,8 +230,14 @@ def targets_of(mutants):
 def last_words(text):
     """What a failed test says: its message, else its last line."""
     lines = [line.strip() for line in text.splitlines() if line.strip()]
-    told = [line for line in lines if re.match(r"\[\s+(ERROR|LINE)\s+\]|Error:|.*(clBuildProgram| != | not )", line)]
-    words = next((re.sub(r"\[\s+\w+\s+\] (--- )?", "", t) for t in told), lines[-1] if lines else "")
+    told = [
+        line
+        for line in lines
+        if re.match(r"\[\s+(ERROR|LINE)\s+\]|Error:|.*(clBuildProgram| != | not )", line)
+    ]
+    words = next(
+        (re.sub(r"\[\s+\w+\s+\] (--- )?", "", t) for t in told), lines[-1] if lines else ""
+    )
     return words[:200]
 
 
@@ -189,14 +246,19 @@ def first_error(text):
 
 
 def control(worker, mutants):
-    """The sources as they are: each test that is named passes. Host faults need it without MCVISI_KERNEL_DIR, the device's with it."""
+    """Without a fault, each named test must pass: for faults of the host without MCVISI_KERNEL_DIR,
+    for those of the device with it."""
     wanted = dict.fromkeys((t, m.on_device) for m in mutants for t in m.tests)
     failed = 0
     for test, on_device in wanted:
         begun, used = time.monotonic(), processor_seconds()
         passed, words = worker.test(test, on_device)
-        print(f"  {'passes' if passed else 'FAILS '} {time.monotonic() - begun:6.1f} s, {processor_seconds() - used:6.1f} s of processor"
-              f" {'device ' if on_device else 'host   '} {test}{'' if passed else ': ' + words}", flush=True)
+        print(
+            f"  {'passes' if passed else 'FAILS '} {time.monotonic() - begun:6.1f} s,"
+            f" {processor_seconds() - used:6.1f} s of processor"
+            f" {'device ' if on_device else 'host   '} {test}{'' if passed else ': ' + words}",
+            flush=True,
+        )
         failed += not passed
     return failed
 
@@ -209,11 +271,28 @@ def processor_seconds():
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("part", nargs="?", default="1/1", help="K/N: of N parts the K-th")
-    parser.add_argument("--only", action="append", metavar="PATTERN", help="mutants whose names match (* and ?); may be repeated")
-    parser.add_argument("--where", default="*", metavar="PATTERN", help="those whose `where` matches: device, host*")
-    parser.add_argument("--workers", type=int, default=os.cpu_count(), metavar="N", help="copies of the sources that work at once")
-    parser.add_argument("--list", action="store_true", help="check that every text is found, and end")
-    parser.add_argument("--no-control", action="store_true", help="leave out the tests without a fault")
+    parser.add_argument(
+        "--only",
+        action="append",
+        metavar="PATTERN",
+        help="mutants whose names match (* and ?); may be repeated",
+    )
+    parser.add_argument(
+        "--where", default="*", metavar="PATTERN", help="those whose `where` matches: device, host*"
+    )
+    parser.add_argument(
+        "--workers",
+        type=int,
+        default=os.cpu_count(),
+        metavar="N",
+        help="copies of the sources that work at once",
+    )
+    parser.add_argument(
+        "--list", action="store_true", help="check that every text is found, and end"
+    )
+    parser.add_argument(
+        "--no-control", action="store_true", help="leave out the tests without a fault"
+    )
     arguments = parser.parse_args()
     match = re.fullmatch(r"(\d+)/(\d+)", arguments.part)
     if not match or not 1 <= int(match[1]) <= int(match[2]):
@@ -224,9 +303,15 @@ def main():
     except (ValueError, KeyError, tomllib.TOMLDecodeError) as why:
         sys.exit(f"mutants: mutants.toml: {why}")
     only = arguments.only or ["*"]
-    mutants = [m for m in mutants if any(fnmatch.fnmatchcase(m.name, o) for o in only) and fnmatch.fnmatchcase(m.where, arguments.where)]
-    # What is built with a fault stays until the next build: those of the device, for which nothing is built, come first.
-    mutants = sorted(mutants[part - 1::parts], key=lambda m: not m.on_device)
+    mutants = [
+        m
+        for m in mutants
+        if any(fnmatch.fnmatchcase(m.name, o) for o in only)
+        and fnmatch.fnmatchcase(m.where, arguments.where)
+    ]
+    # Faults of the device come first, because they need no build: a fault of the host stays built
+    # until the next build.
+    mutants = sorted(mutants[part - 1 :: parts], key=lambda m: not m.on_device)
     lost = 0
     for mutant in mutants:
         try:
@@ -252,7 +337,11 @@ def main():
     workers = [Worker(i, jobs) for i in range(count)]
     with concurrent.futures.ThreadPoolExecutor(count) as pool:
         list(pool.map(lambda w: w.prepare(targets_of(mutants)), workers))
-    print(f"== {count} {'copy' if count == 1 else 'copies'} built in {time.monotonic() - begun:.0f} s", flush=True)
+    print(
+        f"== {count} {'copy' if count == 1 else 'copies'}"
+        f" built in {time.monotonic() - begun:.0f} s",
+        flush=True,
+    )
     if not arguments.no_control:
         print("== no fault", flush=True)
         if failed := control(workers[0], mutants):
@@ -269,7 +358,11 @@ def main():
         finally:
             idle.put(worker)
         with said:
-            print(f"{verdict:11} {time.monotonic() - start:6.1f} s  {mutant.name}: {test}{': ' if words and test else ''}{words}", flush=True)
+            print(
+                f"{verdict:11} {time.monotonic() - start:6.1f} s  "
+                f"{mutant.name}: {test}{': ' if words and test else ''}{words}",
+                flush=True,
+            )
         return verdict
 
     print(f"== {len(mutants)} faults", flush=True)

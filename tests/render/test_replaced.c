@@ -128,15 +128,21 @@ static void expect_refused(const char *rest, const char *set, const char *says) 
 
 static void test_sentences(void **state) {
     (void)state;
+    expect_refused(
+        ",\"material\":\"brass\"", NULL,
+        "assets/part/material: there is no material \"brass\": give the file one of this "
+        "name, {\"type\": \"conductor\", \"metal\": \"iron\", \"roughness\": 0.3}; metals "
+        "are aluminium, chromium, copper, gold, iron, nickel, silver, titanium");
+    expect_refused("", "assets/part/nodeMaterials/Vial=aluminum", "metals are aluminium");
+    expect_refused("", "assets/part/nodeMaterials/Vial=Steel", "did you mean \"steel\"?");
     expect_refused(",\"materials\":{\"Glas.001\":\"glass\"}", NULL,
-                   "replaced_rig.gltf: assets/part/materials/Glas.001: the materials of "
-                   "\"replaced_vial.gltf\" have none of this name: did you "
-                   "mean \"Glass.001\"?");
+                   "replaced_rig.gltf: assets/part/materials/Glas.001: there is none among "
+                   "the materials of \"replaced_vial.gltf\": did you mean \"Glass.001\"?");
     expect_refused(",\"materials\":{\"Ceramics\":\"glass\"}", NULL,
                    "they are \"Glass.001\", \"Rubber\", \"Glow\"");
     expect_refused(
         ",\"nodeMaterials\":{\"cap\":\"glass\"}", NULL,
-        "the nodes of \"replaced_vial.gltf\" have none of this name: did you mean \"Cap\"?");
+        "there is none among the nodes of \"replaced_vial.gltf\": did you mean \"Cap\"?");
     expect_refused(",\"materials\":{\"Rubber\":\"brass\"}", NULL,
                    "assets/part/materials/Rubber: there is no material \"brass\"");
     expect_refused(",\"materials\":{\"Rubber\":\"gless\"}", NULL, "did you mean \"glass\"?");

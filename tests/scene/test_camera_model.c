@@ -300,11 +300,12 @@ static void test_sizes_that_overflow(void **state) {
 
 /*
  * An image with a contour through its cells, whose errors are 0.25 DN on one side and 3 DN on the
- * other, in two channels: the text gives back each pixel's error, to half a thousandth. A text with
- * too few numbers or absurdly many cells is refused.
+ * other, in two channels: the text gives back each pixel's error, to half a thousandth. A text of
+ * older versions, which does not tell edges apart, does as well. One with too few numbers or
+ * absurdly many cells is refused.
  */
 static void test_error_of_the_render(void **state) {
-    static const char *const lists[] = {"level",       "milliBelow", "milliAbove",
+    static const char *const lists[] = {"level",       "milliBelow", "milliAbove", "microEdgeBelow",
                                         "correlation", "cells",      "channels"};
     enum { WIDTH = 41, HEIGHT = 19, COUNT = 2 * WIDTH * HEIGHT };
     float values[COUNT], errors[COUNT];
@@ -325,24 +326,34 @@ static void test_error_of_the_render(void **state) {
     BUILD(mcv_render_error_of(&grey, &known, &(mcv_correlation){4, 2, 0.5, 0.3}, 3,
                               &model.render_error, &builder_error));
     char *text = mcv_camera_model_write(&model);
-    BUILD(mcv_camera_model_read(text, "image", &read, &is_one, &builder_error));
-    const mcv_render_error *told = &read.render_error;
-    assert_true(told->correlation[0] == 4 && told->correlation[1] == 2 &&
-                told->correlation[2] == 0.5 && told->freedom == 3);
-    BUILD(mcv_render_error_image(told, &grey, &found, &builder_error));
-    /* A cell of one side alone is told apart by its own noise. */
-    for (size_t i = 0; i < COUNT; ++i)
-        if (fabs((double)found.pixels[i] - (double)errors[i]) > 0.5e-3)
-            fail_msg("value %zu: an error of %g instead of %g", i, found.pixels[i], errors[i]);
+    json_t *older = json_loads(text, 0, NULL);
+    json_object_del(json_object_get(older, "renderError"), "microEdgeBelow");
+    json_object_del(json_object_get(older, "renderError"), "microEdgeAbove");
+    char *texts[] = {text, json_dumps(older, 0)};
+    json_decref(older);
+    for (int k = 0; k < 2; ++k) {
+        BUILD(mcv_camera_model_read(texts[k], "image", &read, &is_one, &builder_error));
+        const mcv_render_error *told = &read.render_error;
+        assert_true(told->correlation[0] == 4 && told->correlation[1] == 2 &&
+                    told->correlation[2] == 0.5 && told->freedom == 3);
+        BUILD(mcv_render_error_image(told, &grey, &found, &builder_error));
+        /* A cell of one side alone is told apart by its own noise. */
+        for (size_t i = 0; i < COUNT; ++i)
+            if (fabs((double)found.pixels[i] - (double)errors[i]) > 0.5e-3)
+                fail_msg("value %zu: an error of %g instead of %g", i, found.pixels[i], errors[i]);
+        mcv_image_free(&found);
+        mcv_camera_model_free(&read);
+    }
+    free(texts[1]);
     for (size_t i = 0; i < sizeof lists / sizeof lists[0]; ++i) {
         json_t *object = json_loads(text, 0, NULL),
                *render = json_object_get(object, "renderError"),
                *list = json_object_get(render, lists[i]);
-        if (i < 4)
+        if (i < 5)
             json_array_remove(list, 0);
         else
             json_object_set_new(render, lists[i],
-                                i == 4 ? json_pack("[i,i]", 1 << 24, 1 << 24)
+                                i == 5 ? json_pack("[i,i]", 1 << 24, 1 << 24)
                                        : json_integer(1 << 20));
         char *damaged = json_dumps(object, 0);
         mcv_camera_model none;
@@ -354,8 +365,6 @@ static void test_error_of_the_render(void **state) {
         json_decref(object);
     }
     free(text);
-    mcv_image_free(&found);
-    mcv_camera_model_free(&read);
     mcv_camera_model_free(&model);
     mcv_scene_free(scene);
 }

@@ -275,11 +275,11 @@ static void test_pixels_of_millimetres(void **state) {
     expect(scene, "pixels of 10 mm", "pixels of 10 mm", MCV_SEVERITY_WARNING,
            "sensors/sensor/pixelSize",
            "make a field of 10 m x 10 m, in which the widest part, node \"node\", covers 0.1 "
-           "pixels: those of cameras have 1 to 50 µm; is "
-           "\"10um\" meant?");
+           "pixels: those of cameras have 1 to 50 µm; should "
+           "it be \"10um\"?");
     scene = with_thin_lens(10e-3);
     add_rectangle(scene, 5, 5, add_diffuse(scene, 0.5), looking_up_z(0, 0, -0.25));
-    expect(scene, "a part as wide as half the field", "is meant", -1, "", "");
+    expect(scene, "a part as wide as half the field", "should it be", -1, "", "");
 }
 
 /*
@@ -368,7 +368,7 @@ static uint32_t add_tube(mcv_scene *scene, uint32_t sides, double radius, bool s
 }
 
 static void test_curved_glass_of_flat_facets(void **state) {
-    static const char words[] = "curved glass of flat facets";
+    static const char words[] = "curved glass made of flat facets";
     const double half[3] = {1e-3, 1e-3, 1e-3};
     (void)state;
     for (int smooth = 0; smooth < 2; ++smooth) {
@@ -376,7 +376,7 @@ static void test_curved_glass_of_flat_facets(void **state) {
         add_tube(scene, 48, 5e-3, smooth, add_glass(scene, 1.5, 0, 0), looking_up_z(0, 0, 0));
         expect(scene, smooth ? "a smooth tube" : "a faceted tube", words,
                smooth ? -1 : MCV_SEVERITY_WARNING, "nodes/node",
-               "turn by up to 7.5 degrees at 48 edges");
+               "angles of up to 7.5 degrees at 48 edges");
     }
     mcv_scene *scene = mcv_scene_new("tube");
     add_tube(scene, 48, 5e-3, false, add_diffuse(scene, 0.5), looking_up_z(0, 0, 0));
@@ -390,7 +390,7 @@ static void test_curved_glass_of_flat_facets(void **state) {
 }
 
 static void test_thin_pane_on_a_closed_mesh(void **state) {
-    static const char words[] = "is a thin pane";
+    static const char words[] = "is a thin sheet";
     const double half[3] = {1e-3, 1e-3, 1e-3};
     (void)state;
     mcv_scene *scene = mcv_scene_new("pane");
@@ -412,7 +412,7 @@ static void test_thin_pane_on_a_closed_mesh(void **state) {
  * 80: 3.08 µm.
  */
 static void test_chords_at_outlines(void **state) {
-    static const char words[] = "chords in place of curves";
+    static const char words[] = "chords replace curved outlines";
     static const struct {
         uint32_t sides;
         bool from_side, backlit;
@@ -443,7 +443,7 @@ static void test_chords_at_outlines(void **state) {
             snprintf(what, sizeof what, "a tube of %u sides, seen %s", cases[i].sides,
                      cases[i].from_side ? "from the side" : "along it");
             expect(scene, what, words, cases[i].severity, "nodes/node",
-                   "node \"node\" is off by up to 8.56 µm, 0.21 pixels; to measure there, export "
+                   "node \"node\" deviates by up to 8.56 µm, 0.21 pixels; for measurements, export "
                    "with a chord tolerance of 4 µm or less");
         }
 }
@@ -545,9 +545,9 @@ static void test_page(void **state) {
 /* Nothing but what is so: these are measured by nobody, but the CAD model has chords. */
 static void test_shipped_scenes(void **state) {
     static const char *const justified[][2] = {
-        {"2CylinderEngine.glb", "chords in place of curves"},
-        {"part-arealight.gltf", "chords in place of curves"},
-        {"part-backlight.gltf", "chords in place of curves"},
+        {"2CylinderEngine.glb", "chords replace curved outlines"},
+        {"part-arealight.gltf", "chords replace curved outlines"},
+        {"part-backlight.gltf", "chords replace curved outlines"},
         {"", "grow by"}}; /* true of every part before a backlight */
     glob_t scenes;
     int scene_count = 0;

@@ -210,7 +210,7 @@ static void replace(char text[2048], const char *word, const char *by) {
 static void test_refusals(void **state) {
     (void)state;
     static const char *const codev_cases[][2] = {
-        {"XTO", "line 5: surface 1: only spheres, conics and even aspheres are known, not XTO"},
+        {"XTO", "line 5: surface 1: only spheres, conics and even aspheres are supported, not XTO"},
         {"DIF DOE", "not DIF"},
         {"ASP\nJ 1e-20", "line 6: surface 1: aspheres have terms from r^4 to r^18, A to H, not J"},
         {"CIR OBS 2", "not CIR OBS"},
@@ -219,8 +219,8 @@ static void test_refusals(void **state) {
         {"CUY UMY -0.1\nCUY 0\nCUY UMY -0.1", "its curvature is solved"},
         {"K inf", "\"inf\" is too large a number"},
         {"THI 5mm", "\"5mm\" must be a number"},
-        {"RMD REFL", "mirrors are not known"},
-        {"S9 4 4", "surfaces must follow each other"},
+        {"RMD REFL", "mirrors in lens files are not supported"},
+        {"S9 4 4", "surface numbers must be consecutive"},
         {"DIM F", "DIM must be M (mm), C (cm) or I (inch), not F"},
         {"GLA UNOBTAINIUM",
          "unknown glass \"UNOBTAINIUM\": give its index with --index UNOBTAINIUM=1.5"},
@@ -234,10 +234,10 @@ static void test_refusals(void **state) {
     }
     static const char *const zemax_cases[][3] = {
         {"EVENASPH", "TOROIDAL",
-         "line 13: surface 1: only the types STANDARD and EVENASPH are known, not TOROIDAL"},
+         "line 13: surface 1: only the types STANDARD and EVENASPH are supported, not TOROIDAL"},
         {"2.0E-2", "2.0X-2", "line 14: surface 1: \"2.0X-2\" must be a number"},
         {"PARM 1 0", "PARM 1 4", "not PARM 1"},
-        {"N-BK7 ", "MIRROR ", "mirrors are not known"},
+        {"N-BK7 ", "MIRROR ", "mirrors in lens files are not supported"},
         {"UNIT MM", "UNIT KM", "the UNIT must be MM, CM, IN or METER, not KM"},
         {"MODE SEQ", "MODE NSC", "only sequential lenses"},
         {"N-BK7 0 0 1.5 4", "___BLANK 1 0 .5 ", "the index of a model glass must be 1 to 10"},
@@ -248,16 +248,16 @@ static void test_refusals(void **state) {
         refuse_lens("test_lens_file.zmx", text, zemax_cases[i][2]);
     }
     refuse_lens("test_lens_file.seq", "EPD x\nGO\n", "line 1: \"x\" must be a number");
-    refuse_lens("test_lens_file.seq", "K 1\n", "line 1: stands before the first surface, S: K");
-    refuse_lens("test_lens_file.seq", "", "holds no surface");
-    refuse_lens("test_lens_file.zmx", "hello", "holds no SURF");
+    refuse_lens("test_lens_file.seq", "K 1\n", "line 1: precedes the first surface, S: K");
+    refuse_lens("test_lens_file.seq", "", "has no surface");
+    refuse_lens("test_lens_file.zmx", "hello", "has no SURF");
     refuse_lens("test_lens_file.txt", zemax, "must be a .zmx or .seq file");
     refuse_lens("test_lens_file.zar", zemax,
                 "is an archive of Zemax OpticStudio: extract it there");
     refuse_lens("test_lens_file.len", zemax, "save the lens there as a sequence");
     refuse_lens("test_lens_file.seq",
                 "RDM\nEPD 4\nS 50 5 NBK7\nS -50 -3\nS 50 5 NBK7\nS -50 90\nSI\n",
-                "no width is left for it: on the axis already its lens overlaps");
+                "its lens overlaps the next one already on the axis");
     refuse_lens("test_lens_file.seq", "RDM\nS 50 5 NBK7\nS -50 90\nSI\n",
                 "line 2: surface 1: has no semi-diameter (DIAM, CIR), and no aperture");
     refuse_lens("test_lens_file.seq", "RDM\nNAO .02\nS 50 5 NBK7\nS -50 90\nSI\n",
@@ -272,7 +272,7 @@ static void test_warnings(void **state) {
         read_lens("test_lens_file.seq", "RDM\nS 50 1 NBK7\nCIR 12\nS 10 90\nCIR 8\nSI\nFOO 3\n");
     assert_true(warns(&lens, "line 2: surface 1: its lens is made 19.8 mm wide instead of 24 mm: "
                              "beyond, its faces have no common edge"));
-    assert_true(warns(&lens, "line 7: statements that are not known are left out: FOO"));
+    assert_true(warns(&lens, "line 7: unknown statements are ignored: FOO"));
     mcv_scene_free(load_lens(&lens));
     char text[2048];
     replace(text, "N-BK7 0 0 1.5", "XYZ-7 0 0 1.6");

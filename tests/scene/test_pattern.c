@@ -202,13 +202,13 @@ static void test_bad_input(void **state) {
         {PROJECTOR "\"pattern\":{\"type\":\"grayCode\",\"resolution\":8},\"image\":0",
          "emitters/e: has both image and pattern"},
         {PROJECTOR "\"pattern\":{\"type\":\"grayCode\",\"resolution\":8},\"index\":6",
-         "emitters/e/index: 6 is beyond the sequence, whose 6 images are 0 to 5"},
+         "emitters/e/index: 6 is outside the sequence, whose 6 images are 0 to 5"},
         {PROJECTOR "\"pattern\":{\"type\":\"grayCode\",\"resolution\":8},\"index\":-1",
          "emitters/e/index: -1 must be an integer"},
         {PROJECTOR "\"pattern\":{\"type\":\"grayCode\",\"resolution\":8},\"index\":0.5",
          "emitters/e/index: 0.5 must be an integer"},
         {PROJECTOR "\"image\":0,\"index\":1",
-         "emitters/e/index: counts the images of a pattern, but there is none"},
+         "emitters/e/index: is the index in a pattern's sequence, but there is no pattern"},
         {PROJECTOR "\"index\":0", "emitters/e/image: is missing"},
         {"\"type\":\"lightField\",\"size\":1,\"spatialResolution\":1,\"angularResolution\":1,"
          "\"radiance\":1,\"pattern\":{\"type\":"

@@ -299,7 +299,7 @@ static void test_bad_input(void **state) {
          "", "emitters/e: unknown key \"size\""},
         {"\"type\":\"ring\",\"innerDiameter\":0.1,\"outerDiameter\":0.2,\"radiance\":1,"
          "\"halfAngle\":0",
-         "", "emitters/e/halfAngle: 0 would be"},
+         "", "emitters/e/halfAngle: 0 is"},
         {"\"type\":\"bar\",\"length\":0.1,\"width\":0.2,\"radiance\":1,\"halfAngle\":\"91deg\"", "",
          "emitters/e/halfAngle: "},
         {"\"type\":\"bar\",\"length\":0.1,\"width\":0,\"radiance\":1", "",

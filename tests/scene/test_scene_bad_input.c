@@ -60,7 +60,7 @@ static void test_single_faults(void **state) {
     } cases[] = {
         {"\"2.0\"", "\"1.0\"", "asset: version \"1.0\" must be 2.x"},
         {"\"asset\"", "\"Asset\"", "must have \"asset\""},
-        {"{\"asset\"", "{\"asset\":{},\"asset\"", "is no JSON: duplicate object key"},
+        {"{\"asset\"", "{\"asset\":{},\"asset\"", "is not JSON: duplicate object key"},
         {"{\"asset\"", "{\"cameras\":7,\"asset\"", "cameras: must be an array, not a number"},
         {"{\"asset\"", "{\"cameras\":[],\"asset\"", "cameras: the array is empty"},
         {"\"byteLength\":44", "\"byteLength\":45", "buffers/0: byteLength 45 exceeds the 44 bytes"},
@@ -79,9 +79,9 @@ static void test_single_faults(void **state) {
         {"\"byteOffset\":36", "\"byteOffset\":1e300",
          "bufferViews/1/byteOffset: 1e+300 must be an integer"},
         {"{\"buffer\":0", "{\"buffer\":1",
-         "bufferViews/0/buffer: index 1 points to nothing: buffers go from 0 to 0"},
+         "bufferViews/0/buffer: index 1 does not exist: buffers go from 0 to 0"},
         {"{\"bufferView\":0", "{\"bufferView\":2",
-         "accessors/0/bufferView: index 2 points to nothing: bufferViews go from 0 to 1"},
+         "accessors/0/bufferView: index 2 does not exist: bufferViews go from 0 to 1"},
         {"\"count\":3", "\"count\":4",
          "accessors/0: 4 elements of 12 bytes from byte 0 on exceed the 36 bytes of bufferView 0"},
         {"\"count\":3", "\"count\":4294967295", "accessors/0: 4294967295 elements of 12 bytes"},
@@ -103,24 +103,24 @@ static void test_single_faults(void **state) {
         {"\"byteLength\":36}", "\"byteLength\":36,\"byteStride\":7}",
          "bufferViews/0: byteStride 7 must be a multiple of 4"},
         {"\"POSITION\":0", "\"POSITION\":5",
-         "primitives/0/attributes/POSITION: index 5 points to nothing"},
+         "primitives/0/attributes/POSITION: index 5 does not exist"},
         {"\"POSITION\":0", "\"POSITION\":0,\"NORMAL\":1",
          "primitives/0/attributes/NORMAL: must be a VEC3"},
         {"\"indices\":1", "\"indices\":0",
          "primitives/0/indices: must be a SCALAR of unsigned integers"},
-        {"\"indices\":1", "\"indices\":-1", "primitives/0/indices: index -1 points to nothing"},
+        {"\"indices\":1", "\"indices\":-1", "primitives/0/indices: index -1 does not exist"},
         {"\"indices\":1", "\"indices\":1,\"mode\":7",
          "primitives/0/mode: 7 must be an integer from 0 to 6"},
         {"\"indices\":1", "\"indices\":1,\"material\":0",
-         "primitives/0/material: index 0 points to nothing: the file has no materials"},
-        {"[{\"attributes\"", "[[{\"attributes\"", "is no JSON"},
+         "primitives/0/material: index 0 does not exist: the file has no materials"},
+        {"[{\"attributes\"", "[[{\"attributes\"", "is not JSON"},
         {"\"nodes\":[0]", "\"nodes\":[1]",
          "scenes/0/nodes/0: must be the index of a node: nodes go from 0 to 0"},
-        {"\"nodes\":[0]", "\"nodes\":[0,0]", "scenes/0/nodes: node 0 stands there twice"},
+        {"\"nodes\":[0]", "\"nodes\":[0,0]", "scenes/0/nodes: node 0 occurs twice"},
         {"\"scenes\"", "\"scene\":1,\"scenes\"",
-         "scene: index 1 points to nothing: scenes go from 0 to 0"},
+         "scene: index 1 does not exist: scenes go from 0 to 0"},
         {"{\"mesh\":0}", "{\"mesh\":1}",
-         "nodes/0/mesh: index 1 points to nothing: meshes go from 0 to 0"},
+         "nodes/0/mesh: index 1 does not exist: meshes go from 0 to 0"},
         {"{\"mesh\":0}", "{\"children\":[0]}", "nodes/0: is its own ancestor"},
         {"{\"mesh\":0}", "{\"children\":[1,2]},{\"children\":[2]},{}",
          "nodes/1/children: node 2 is a child of node 0 already"},
@@ -164,7 +164,7 @@ static void test_single_faults(void **state) {
         {"{\"asset\"", "{\"images\":[{\"uri\":\"%2e%2e/b\"}],\"asset\"",
          "leads out of the scene's directory by .."},
         {"{\"asset\"", "{\"images\":[{\"uri\":\"file:///etc/passwd\"}],\"asset\"",
-         "has a scheme: only data: and files"},
+         "has a scheme: only data: URIs and files"},
         {"{\"asset\"", "{\"images\":[{\"uri\":\"a%00b\"}],\"asset\"", "has a broken % escape"},
         {"{\"asset\"", "{\"images\":[{\"uri\":\"a\\\\b\"}],\"asset\"", "has a backslash"},
     };
@@ -196,7 +196,7 @@ static void test_bad_data(void **state) {
         free(data);
     }
     char *data = data_of(triangle, 3), *scene = text_of(SCENE, data);
-    refuse(scene, "meshes/0/primitives/0/indices: index 3 of triangle 0 points to nothing: "
+    refuse(scene, "meshes/0/primitives/0/indices: index 3 of triangle 0 does not exist: "
                   "vertices go from 0 to 2");
     free(scene);
     free(data);
@@ -237,7 +237,7 @@ static void test_bad_elements(void **state) {
         {EXTENSION(LAMP, "{\"name\":3}", "{}"), "sensors/0/name: must be a string"},
         {EXTENSION(LAMP, "7", "{}"), "sensors/0: must be an object"},
         {EXTENSION("{\"type\":\"parallel\",\"size\":1,\"halfAngle\":0,\"radiance\":1}", CAM, "{}"),
-         "emitters/0/halfAngle: 0 would be a collimated beam"},
+         "emitters/0/halfAngle: 0 is a collimated beam"},
         {EXTENSION("{\"type\":\"parallel\",\"size\":1,\"halfAngle\":\"91deg\",\"radiance\":1}", CAM,
                    "{}"),
          "emitters/0/halfAngle: 1.58825 must be above 0"},
@@ -250,7 +250,7 @@ static void test_bad_elements(void **state) {
                    "{\"name\":\"n\",\"extensions\":{\"MCVISI_emitters\":{\"emitter\":0}}}"),
          "emitters/0: needs size, because its node \"n\" has no mesh"},
         {EXTENSION(LAMP, CAM, "{\"extensions\":{\"MCVISI_emitters\":{\"emitter\":1}}}"),
-         "nodes/0/extensions/MCVISI_emitters/emitter: index 1 points to nothing: emitters go from "
+         "nodes/0/extensions/MCVISI_emitters/emitter: index 1 does not exist: emitters go from "
          "0 to 0"},
         {EXTENSION(LAMP, CAM, "{\"extensions\":{\"MCVISI_sensors\":{\"Sensor\":0}}}"),
          "nodes/0/extensions/MCVISI_sensors: unknown key \"Sensor\": did you mean \"sensor\"?"},
@@ -260,7 +260,7 @@ static void test_bad_elements(void **state) {
                    "{\"children\":[1],\"extensions\":{\"MCVISI_emitters\":{\"emitter\":0}}},{"
                    "\"extensions\":{\"MCVISI_emitters\":{"
                    "\"emitter\":1}}}"),
-         "is an environment already: a scene has one at most"},
+         "is an environment already: a scene has at most one"},
         {ASSET "\"extensions\":{\"MCVISI_sensors\":{\"sensor\":[]}}}",
          "unknown key \"sensor\": did you mean \"sensors\"?"},
         {ASSET "\"materials\":[{\"name\":\"g\",\"extensions\":{\"MCVISI_materials\":{\"type\":"
@@ -308,9 +308,9 @@ static void test_bad_elements(void **state) {
         {SPECTRUM("{\"wavelength\":1e-7}"),
          "MCVISI_spectrum: unknown key \"wavelength\": did you mean \"wavelengths\"?"},
         {SPECTRUM("{}"),
-         "MCVISI_spectrum/wavelengths: must be a length as in \"587.6nm\", or three"},
+         "MCVISI_spectrum/wavelengths: must be a length such as \"587.6nm\", or three"},
         {SPECTRUM("{\"wavelengths\":[5e-7,6e-7]}"),
-         "MCVISI_spectrum/wavelengths: must be a length as in \"587.6nm\", or three"},
+         "MCVISI_spectrum/wavelengths: must be a length such as \"587.6nm\", or three"},
         {SPECTRUM("{\"wavelengths\":\"587.6\"}"),
          "MCVISI_spectrum/wavelengths: 587.6 m must be from 100 nm to 100 um"},
         {SPECTRUM("{\"wavelengths\":[\"600nm\",\"-500nm\",\"400nm\"]}"),
@@ -321,12 +321,12 @@ static void test_bad_elements(void **state) {
          "KHR_materials_ior: ior 0.5 must be 1 or more"},
         {POSED("\"distance\":1"), "nodes/n/target: is missing"},
         {POSED("\"target\":\"m\",\"distance\":1"), "nodes/n/target: there is no node \"m\""},
-        {POSED("\"target\":7,\"distance\":1"), "nodes/n/target: index 7 points to nothing"},
+        {POSED("\"target\":7,\"distance\":1"), "nodes/n/target: index 7 does not exist"},
         {POSED("\"target\":[1,2],\"distance\":1"),
          "nodes/n/target: a point must have 3 coordinates"},
         {POSED("\"target\":[1,2,\"3deg\"],\"distance\":1"),
          "nodes/n/target: coordinate 2 must be a length"},
-        {POSED("\"target\":\"n\",\"distance\":1"), "nodes/n: its pose has itself as the target"},
+        {POSED("\"target\":\"n\",\"distance\":1"), "nodes/n: its pose has itself as its target"},
         {POSED("\"target\":[0,0,0]"), "nodes/n/distance: is missing"},
         {POSED("\"target\":[0,0,0],\"distance\":0"), "nodes/n/distance: 0 must be above 0"},
         {POSED("\"target\":[0,0,0],\"distance\":1,\"azimut\":1"),
@@ -404,9 +404,9 @@ static void test_bad_files(void **state) {
     refuse_file(fifo, "must be a regular file"); /* and does not wait for a writer */
     unlink(link);
     assert_int_equal(symlink("/etc/hostname", link), 0);
-    refuse("", "is no JSON");
+    refuse("", "is not JSON");
     refuse("[]", "must be a JSON object");
-    refuse("{\"asset\":{\"version\":\"2.0\"}} x", "is no JSON");
+    refuse("{\"asset\":{\"version\":\"2.0\"}} x", "is not JSON");
     refuse(ASSET "\"buffers\":[{\"byteLength\":4,\"uri\":\"missing.bin\"}]}", "buffers/0/uri: ");
     refuse(ASSET "\"buffers\":[{\"byteLength\":4,\"uri\":\"bad_input.fifo\"}]}",
            "must be a regular file");
@@ -415,7 +415,7 @@ static void test_bad_files(void **state) {
     refuse(ASSET "\"buffers\":[{\"byteLength\":4,\"uri\":\"bad_input.link\"}]}",
            "is a link that leads out of the scene's directory");
     refuse(ASSET "\"buffers\":[{\"byteLength\":4000,\"uri\":\"bad_input.gltf\"}]}",
-           "but byteLength says 4000");
+           "but byteLength is 4000");
     unlink(fifo);
     unlink(link);
     free(fifo);
@@ -633,8 +633,9 @@ static void test_other_names(void **state) {
         {"\"type\":\"dielectric\",\"glass\":\"acrylic\"", "did you mean \"PMMA\"?"},
         {"\"type\":\"conductor\",\"metal\":\"steel\"", "did you mean \"iron\"?"},
         {"\"type\":\"conductor\",\"metal\":\"aluminum\"", "did you mean \"aluminium\"?"},
-        {"\"type\":\"steel\"", "materials/part/type: \"steel\" is no type: a metal is a conductor, "
-                               "{\"type\": \"conductor\", \"metal\": \"iron\""},
+        {"\"type\":\"steel\"",
+         "materials/part/type: \"steel\" is not a type: a metal is a conductor, "
+         "{\"type\": \"conductor\", \"metal\": \"iron\""},
         {"\"type\":\"steel\"",
          "metals are aluminium, chromium, copper, gold, iron, nickel, silver, titanium"},
         {"\"type\":\"gold\"", "a metal is a conductor"},

@@ -316,7 +316,7 @@ static void test_made_by_hand(void **state) {
     mesh.indices = outside;
     assert_int_equal(mcv_scene_add_mesh(scene, &mesh, &error), MCV_BAD_INPUT);
     assert_non_null(
-        strstr(error.text, "by hand: meshes/1/indices: index 3 of triangle 0 points to nothing"));
+        strstr(error.text, "by hand: meshes/1/indices: index 3 of triangle 0 does not exist"));
     assert_int_equal(mcv_scene_add_instance(scene, &(mcv_instance){.mesh = 1}, &error),
                      MCV_BAD_INPUT);
     material.as.mirror.reflectance[1] = 1.5;
@@ -482,7 +482,7 @@ static void test_texture_transform(void **state) {
     assert_non_null(set);
     with_set = text_of("%.*s\"TEXCOORD_1\":1,%s", (int)(set - text), text, set);
     scene = must_load(with_set, NULL);
-    assert_warns(scene, "asks for another set than TEXCOORD_0 and TEXCOORD_1");
+    assert_warns(scene, "only the sets TEXCOORD_0 and TEXCOORD_1");
     const mcv_material *m = scene->materials;
     assert_int_equal(m[2].texture, MCV_NONE);
     const uint32_t numbers[4] = {m[0].texture, m[1].texture, m[0].surface_texture,
@@ -796,7 +796,7 @@ static void test_overrides(void **state) {
         {"sensor/cam/imageDistance=1", "did you mean \"sensors\"?", MCV_BAD_INPUT},
         {"nodes/0/transation/z=1", "there is no \"transation\"; did you mean \"translation\"?",
          MCV_BAD_INPUT},
-        {"nodes/0/translation/q=1", "\"q\" is no element of an array of 3", MCV_BAD_INPUT},
+        {"nodes/0/translation/q=1", "\"q\" is not an element of an array of 3", MCV_BAD_INPUT},
         {"nodes/0=1", "name a member of it", MCV_BAD_INPUT},
         {"materials/paint/emissivefactor=1", "did you mean \"emissiveFactor\"?", MCV_BAD_INPUT},
         {"cameras/0/perspective/yfov=1", "the file has no cameras", MCV_BAD_INPUT},
@@ -949,8 +949,8 @@ static void test_needles(void **state) {
         mcv_scene *scene = must_load(text, NULL);
         assert_int_equal(scene->warning_count, narrow);
         if (narrow)
-            assert_warns(scene, "emitter \"back\": a half-angle of 9e-08 rad is less than "
-                                "directions are known to (1e-07 rad)");
+            assert_warns(scene, "emitter \"back\": a half-angle of 9e-08 rad is below the "
+                                "resolution of directions (1e-07 rad)");
         mcv_scene_free(scene);
     }
 }

@@ -149,9 +149,10 @@ static void test_bad_files(void **state) {
     make_binary(bytes, "made by hand");
     expect_refused(bytes, 0, mm, "stl_part.stl: is empty");
     for (size_t size = 1; size < BYTES; ++size)
-        expect_refused(bytes, size, mm, size < 84 ? "are no STL file" : "it is truncated");
+        expect_refused(bytes, size, mm,
+                       size < 84 ? "are too few for an STL file" : "it is truncated");
     bytes[BYTES] = 0;
-    expect_refused(bytes, BYTES + 1, mm, "says 4 triangles, which take 284 bytes, but has 285");
+    expect_refused(bytes, BYTES + 1, mm, "states 4 triangles, which take 284 bytes, but has 285");
     bytes[80] = 0;
     expect_refused(bytes, 84, mm, "holds no triangle");
     bytes[80] = TRIANGLES;
@@ -176,14 +177,14 @@ static void test_bad_files(void **state) {
     static const char *const cases[][2] = {
         {"solid\nendsolid\n", "holds no triangle"},
         {"solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 zero",
-         "line 4: \"zero\" is no number"},
+         "line 4: \"zero\" is not a number"},
         {"solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nendloop",
          "line 6: \"endloop\" must be `vertex`"},
         {"solid a\nface normal 0 0 1\n", "line 2: \"face\" must be `facet` or `endsolid`"},
         {"solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 inf\nvertex 1 0 0\nvertex 0 1 "
          "0\nendloop\nendfacet\nendsolid",
          "must be finite"},
-        {"o cube\nv 1 2 3\n", "no STL file"},
+        {"o cube\nv 1 2 3\n", "are too few for an STL file"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i)
         expect_refused(cases[i][0], strlen(cases[i][0]), mm, cases[i][1]);
@@ -195,7 +196,7 @@ static void test_units_and_materials(void **state) {
     (void)state;
     make_binary(bytes, "made by hand");
     expect_refused(bytes, BYTES, "", "assets/0/unit: is missing");
-    expect_refused(bytes, BYTES, "", "30 x 20 x 10 of it");
+    expect_refused(bytes, BYTES, "", "30 x 20 x 10 units large");
     expect_refused(bytes, BYTES, ",\"unit\":\"foot\"", "must be one of nm, um, mm, cm, m, inch");
     expect_refused(bytes, BYTES, ",\"unit\":\"mm\",\"material\":\"steel\"",
                    "there is no material \"steel\"");

@@ -236,17 +236,15 @@ static void test_bad_input(void **state) {
     mcv_attribute resolution = {.name = "mcvisi:angularResolution", .numbers = {J, K}, .count = 2};
     const char *depths[] = {"U", "V", "Z"};
 
-    expect_refused(
-        &part, NULL, 0, none,
-        "no image of a light field camera, or its header lacks mcvisi:angularResolution");
+    expect_refused(&part, NULL, 0, none, "its header has no mcvisi:angularResolution");
     expect_refused(&part, &resolution, 1, seven,
-                   "20 x 6 pixels are no whole number of macro pixels of 7 x 2");
+                   "20 x 6 pixels must be a whole number of macro pixels of 7 x 2");
     resolution.numbers[0] = 3;
     expect_refused(&part, &resolution, 1, none,
-                   "20 x 6 pixels are no whole number of macro pixels of 3 x 2");
+                   "20 x 6 pixels must be a whole number of macro pixels of 3 x 2");
     resolution.numbers[0] = 2.5;
     expect_refused(&part, &resolution, 1, none,
-                   "2.5 x 2 in the header: must be two whole numbers from 1 on");
+                   "2.5 x 2 in the header: must be two integers of at least 1");
     resolution.count = 1;
     expect_refused(&part, &resolution, 1, none,
                    "mcvisi:angularResolution in the header must be 2 numbers");
@@ -260,7 +258,7 @@ static void test_bad_input(void **state) {
     part.channel_names = NULL;
     for (size_t i = 0; i < (size_t)3 * part.image.width * part.image.height; ++i)
         part.image.pixels[i] = -1;
-    expect_refused(&part, NULL, 0, five, "all of the image is dark");
+    expect_refused(&part, NULL, 0, five, "the whole image is dark");
     mcv_image_free(&part.image);
 }
 

@@ -553,6 +553,42 @@ static void test_textured_roughness(void **state) {
     }
 }
 
+/* A lamp of 1 mm, textured, and a camera of 2 x 2 pixels that sees it whole. Its second set of
+ * coordinates lies in the lower right quarter of the image. */
+static mcv_scene *textured_lamp(const mcv_texture *texture, double radiance) {
+    float positions[] = {-5e-4F, -5e-4F, 0, 5e-4F, -5e-4F, 0, 5e-4F, 5e-4F, 0, -5e-4F, 5e-4F, 0};
+    float whole[] = {0, 1, 1, 1, 1, 0, 0, 0}, corner[] = {0.5F, 1, 1, 1, 1, 0.5F, 0.5F, 0.5F};
+    uint32_t indices[] = {0, 1, 2, 0, 2, 3};
+    mcv_scene *scene = mcv_scene_new("textured lamp");
+    BUILD(mcv_scene_add_texture(scene, texture, &builder_error));
+    add_pinhole(scene, 2, 1e-3, looking_down_z(0, 0, 1));
+    const mcv_mesh mesh = {.vertex_count = 4,
+                           .triangle_count = 2,
+                           .positions = positions,
+                           .texcoords = whole,
+                           .texcoords1 = corner,
+                           .indices = indices};
+    mcv_emitter emitter = {
+        .name = (char *)"emitter",
+        .type = MCV_EMITTER_AREA,
+        .instance = add_instance(scene, &mesh, add_absorber(scene), mcv_transform_identity())};
+    mcv_params_set_defaults(mcv_emitter_table(MCV_EMITTER_AREA), &emitter.as);
+    for (int c = 0; c < 3; ++c) emitter.as.area.radiance[c] = radiance;
+    BUILD(mcv_scene_add_emitter(scene, &emitter, &builder_error));
+    return scene;
+}
+
+/* A texture of 2 x 2 texels without wrapping. */
+static mcv_texture texels(uint8_t rgba[16], bool nearest) {
+    return (mcv_texture){.name = (char *)"image",
+                         .width = 2,
+                         .height = 2,
+                         .wrap_s = 33071,
+                         .wrap_t = 33071,
+                         .nearest = nearest,
+                         .rgba = rgba};
+}
+
 /*
  * A lamp with an image of 2 x 2 texels across a square of 1 mm, just what the camera sees. The
  * bilinear image, clamped at its edges, has the mean of its texels, and so has the nearest one;
@@ -560,34 +596,11 @@ static void test_textured_roughness(void **state) {
  */
 static void test_texture(void **state) {
     const double part = pow((188.0 / 255 + 0.055) / 1.055, 2.4);
-    float positions[] = {-5e-4F, -5e-4F, 0, 5e-4F, -5e-4F, 0, 5e-4F, 5e-4F, 0, -5e-4F, 5e-4F, 0};
-    float texcoords[] = {0, 1, 1, 1, 1, 0, 0, 0};
-    uint32_t indices[] = {0, 1, 2, 0, 2, 3};
     uint8_t rgba[] = {255, 0, 0, 255, 0, 188, 0, 255, 0, 0, 255, 255, 255, 188, 0, 255};
     (void)state;
     for (int nearest = 0; nearest < 2; ++nearest) {
-        mcv_scene *scene = mcv_scene_new("texture");
-        const mcv_texture texture = {.name = (char *)"image",
-                                     .width = 2,
-                                     .height = 2,
-                                     .wrap_s = 33071,
-                                     .wrap_t = 33071,
-                                     .nearest = nearest,
-                                     .rgba = rgba};
-        BUILD(mcv_scene_add_texture(scene, &texture, &builder_error));
-        add_pinhole(scene, 2, 1e-3, looking_down_z(0, 0, 1));
-        const mcv_mesh mesh = {.vertex_count = 4,
-                               .triangle_count = 2,
-                               .positions = positions,
-                               .texcoords = texcoords,
-                               .indices = indices};
-        mcv_emitter emitter = {
-            .name = (char *)"emitter",
-            .type = MCV_EMITTER_AREA,
-            .instance = add_instance(scene, &mesh, add_absorber(scene), mcv_transform_identity())};
-        mcv_params_set_defaults(mcv_emitter_table(MCV_EMITTER_AREA), &emitter.as);
-        for (int c = 0; c < 3; ++c) emitter.as.area.radiance[c] = 3;
-        BUILD(mcv_scene_add_emitter(scene, &emitter, &builder_error));
+        const mcv_texture texture = texels(rgba, nearest);
+        mcv_scene *scene = textured_lamp(&texture, 3);
         expect(nearest ? "nearest texture" : "bilinear texture", scene,
                (const double[]){3 * 0.5, 3 * 0.5 * part, 3 * 0.25});
         mcv_scene_free(scene);
@@ -613,38 +626,14 @@ static void test_texture_transform(void **state) {
         {"moved by half", 0, {1, 0, 0.5, 0, 1, 0}, {0.5, 0.5, 0}},
         {"another set", 1, {1, 0, 0, 0, 1, 0}, {1, 0, 0}},
     };
-    float positions[] = {-5e-4F, -5e-4F, 0, 5e-4F, -5e-4F, 0, 5e-4F, 5e-4F, 0, -5e-4F, 5e-4F, 0};
-    float texcoords[] = {0, 1, 1, 1, 1, 0, 0, 0}, corner[] = {0.5F, 1, 1, 1, 1, 0.5F, 0.5F, 0.5F};
-    uint32_t indices[] = {0, 1, 2, 0, 2, 3};
     uint8_t rgba[] = {255, 0, 0, 255, 0, 255, 0, 255, 0, 0, 255, 255, 255, 0, 0, 255};
     (void)state;
     for (size_t k = 0; k < sizeof cases / sizeof cases[0]; ++k) {
-        mcv_scene *scene = mcv_scene_new("texture transform");
-        mcv_texture texture = {.name = (char *)"image",
-                               .width = 2,
-                               .height = 2,
-                               .wrap_s = 33071,
-                               .wrap_t = 33071,
-                               .nearest = true,
-                               .rgba = rgba,
-                               .texcoord_set = cases[k].set,
-                               .is_transformed = true};
+        mcv_texture texture = texels(rgba, true);
+        texture.texcoord_set = cases[k].set;
+        texture.is_transformed = true;
         memcpy(texture.transform, cases[k].transform, sizeof texture.transform);
-        BUILD(mcv_scene_add_texture(scene, &texture, &builder_error));
-        add_pinhole(scene, 2, 1e-3, looking_down_z(0, 0, 1));
-        const mcv_mesh mesh = {.vertex_count = 4,
-                               .triangle_count = 2,
-                               .positions = positions,
-                               .texcoords = texcoords,
-                               .texcoords1 = corner,
-                               .indices = indices};
-        mcv_emitter emitter = {
-            .name = (char *)"emitter",
-            .type = MCV_EMITTER_AREA,
-            .instance = add_instance(scene, &mesh, add_absorber(scene), mcv_transform_identity())};
-        mcv_params_set_defaults(mcv_emitter_table(MCV_EMITTER_AREA), &emitter.as);
-        for (int c = 0; c < 3; ++c) emitter.as.area.radiance[c] = 1;
-        BUILD(mcv_scene_add_emitter(scene, &emitter, &builder_error));
+        mcv_scene *scene = textured_lamp(&texture, 1);
         expect(cases[k].name, scene, cases[k].expected);
         mcv_scene_free(scene);
     }

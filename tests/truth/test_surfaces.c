@@ -744,7 +744,7 @@ static void definitions(void **state) {
          "no surface has a material"},
         {"{\"type\": \"lens\", \"surfaces\": [{\"semiDiameter\": 1}, {\"semiDiameter\": 1, "
          "\"material\": 0}]}",
-         "no surface behind"},
+         "another surface behind"},
         {"{\"type\": \"lens\", \"surfaces\": [{\"radius\": 1, \"semiDiameter\": 2, \"thickness\": "
          "9, \"material\": 0}, {\"semiDiameter\": "
          "1}]}",
@@ -766,7 +766,7 @@ static void definitions(void **state) {
         {"{\"type\": \"lens\", \"surfaces\": [{\"semiDiameter\": 1, \"thickness\": 1, "
          "\"material\": 0}, {\"semiDiameter\": 1}], \"rim\": "
          "\"pane\"}",
-         "the rim \"pane\" lets light through, but is not the body's material: choose an opaque "
+         "the rim \"pane\" transmits light, but is not the body's material: choose an opaque "
          "one or \"glass\""},
     };
     for (size_t i = 0; i < sizeof bad / sizeof bad[0]; ++i) {

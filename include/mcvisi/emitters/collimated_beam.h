@@ -1,23 +1,23 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Collimated beam (type "collimatedBeam"): light that leaves a rectangle exactly along its normal,
- * as the parallel emitter's would with a half-angle of 0. Its radiance is infinite in that one
- * direction, so it is given by the irradiance E on a plane across the beam, or by the power Φ = E A
- * (per channel). With "aperture": "circle" it leaves only the disk in the middle whose diameter is
- * the smaller side.
+ * like a parallel emitter with half-angle 0. Its radiance is infinite in that one direction. It is
+ * therefore given by the irradiance E on a plane across the beam, or by the power Φ = E A (per
+ * channel). With "aperture": "circle" the beam leaves only the central disk whose diameter is the
+ * shorter side.
  *
- * An `image` modulates it: E is then that of the value 1, and Φ counts the image's mean over the
- * aperture. It lies as the telecentric projector's does (row 0 at +y, column 0 at -x, "mirror"
- * flips the columns), and is thrown without any blur.
+ * An `image` modulates it: E then belongs to the value 1, and Φ contains the image's mean over the
+ * aperture. The image lies as the telecentric projector's does (row 0 at +y, column 0 at -x,
+ * "mirror" flips the columns) and is projected without blur.
  *
- * No ray of sight meets the beam by chance: surfaces find it by looking back along it; behind glass
- * and mirrors, and where it shines into a camera's lens, light paths find them. The rectangle
- * absorbs what falls on it.
+ * A camera ray hits the beam with probability 0. Next-event estimation therefore follows it back
+ * along its axis. Behind glass and mirrors, and where the beam enters a camera's lens, light paths
+ * carry it. The rectangle absorbs what falls on it.
  *
  *     {"type": "collimatedBeam", "size": ["20mm", "20mm"], "aperture": "circle", "power": 0.005}
  *
- * From the emitter's side: a place uniform by area on the rectangle (density 1/A), the direction
- * the normal (no density), each carrying the flux E A, or nothing where it is not on the aperture.
+ * Emission: a point uniform by area on the rectangle (density 1/A), the direction of the normal.
+ * Each path carries the flux E A, or 0 outside the aperture.
  */
 #ifndef MCVISI_EMITTERS_COLLIMATED_BEAM_H
 #define MCVISI_EMITTERS_COLLIMATED_BEAM_H
@@ -35,14 +35,14 @@
     X(flag, mirror, 0, 0, 1, "column 0 at +x instead of -x")
 
 typedef struct mcv_collimated_beam {
-    float axis[3];                 /* unit; of the beam in the world */
+    float axis[3];                 /* unit; direction of the beam in the world */
     float x[3], y[3];              /* the node's axes in the world */
     float half_width, half_height; /* [m] */
-    float radius_squared;          /* of the disk [m²]; infinite where there is none */
+    float radius_squared;          /* of the disk [m²]; infinite for a rectangle */
 } mcv_collimated_beam;
 MCV_ASSERT_SIZE(mcv_collimated_beam, 48);
 
-/* 1 if the beam goes through a place, given from the middle of the emitter. */
+/* 1 if a point, relative to the centre of the emitter, lies in the beam. */
 MCV_LOOP_FUNCTION int mcv_collimated_beam_covers(MCV_GLOBAL const mcv_collimated_beam *beam,
                                                  mcv_vec3 from_middle) {
     const float across = mcv_dot(from_middle, mcv_vec(beam->x[0], beam->x[1], beam->x[2]));

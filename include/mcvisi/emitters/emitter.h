@@ -1,18 +1,20 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What all emitters share. Most are a set of triangles (a mesh, or the rectangle that `size` spans
- * in the node's xy plane, facing -z) that emits radiance from its front side only, by the
- * interpolated normal. Sizes do not scale with the node. Rectangles absorb what falls on them;
- * meshes keep their material. Environment, point, spot and directional light have no surface; these
- * and the collimated beam no ray meets by chance, but for the environment: surfaces look for them.
+ * What all emitters share. Most emitters are a set of triangles: a mesh, or the rectangle that
+ * `size` spans in the node's xy plane, facing -z. They emit radiance only from the front side,
+ * given by the interpolated normal. Sizes do not scale with the node. Rectangles absorb what falls
+ * on them; meshes keep their material. Environments and point, spot and directional lights have no
+ * surface. Rays hit the environment by chance, but never the other three nor the collimated beam:
+ * only next-event estimation and light paths find those.
  *
  * An emitter is one header with
  *     MCV_<NAME>_PARAMS(X)      its parameters (mcvisi/params.h)
  *     mcv_<name>                what the device needs of them, 4-byte scalars
- *     mcv_<name>_evaluate       the share of its radiance that leaves a point in a direction (q_d,
- *                               q_n unit); of MCV_POINT_LIGHTS mcv_<name>_share, by the angle
- * and for what only surfaces find, what they need to look for it; and one line in MCV_POINT_LIGHTS
- * or MCV_EMITTERS (mcvisi/elements.h); host/scene/emitters.c resolves, emitters_device.c prepares.
+ *     mcv_<name>_share          for MCV_POINT_LIGHTS and MCV_SURFACE_LIGHTS: the share of its
+ *                               intensity or radiance that leaves at an angle
+ * and one line in one of the lists of mcvisi/elements.h. An emitter that rays cannot hit also has
+ * functions for next-event estimation. host/scene/emitters.c resolves the parameters,
+ * emitters_device.c prepares the device struct.
  */
 #ifndef MCVISI_EMITTERS_EMITTER_H
 #define MCVISI_EMITTERS_EMITTER_H
@@ -20,27 +22,27 @@
 #include "mcvisi/params.h"
 #include "mcvisi/sampling.h"
 
-/* How bright: either is given, the other follows. Power is per channel, over the whole surface. */
+/* Brightness: one is given, the other follows. Power is per channel, over the whole surface. */
 #define MCV_RADIANCE_PARAMS(X) \
     X(spectrum, radiance, MCV_UNSET, 0, 1e30, "radiance L in its cone [W/(m² sr)]") \
     X(spectrum, power, MCV_UNSET, 0, 1e30, "power of the whole emitter, in place of radiance [W]") \
     X(length2, size, MCV_UNSET, MCV_POSITIVE, 1e6, \
       "width and height of the rectangle, for a node without a mesh [m]")
 
-/* The same for a light without extent. */
+/* Brightness of a light without extent. */
 #define MCV_INTENSITY_PARAMS(X) \
     X(spectrum, intensity, MCV_UNSET, 0, 1e30, "radiant intensity I [W/sr]") \
     X(spectrum, power, MCV_UNSET, 0, 1e30, "power of the whole light, in place of intensity [W]") \
     X(length, range, MCV_UNSET, MCV_POSITIVE, 1e6, \
-      "distance at which its light ends, instead of never [m]")
+      "distance at which its light ends; without it unlimited [m]")
 
-/* The same for an emitter whose radiance an image modulates; it is always a rectangle. */
+/* Brightness of an emitter whose radiance an image modulates; it is always a rectangle. */
 #define MCV_IMAGE_PARAMS(X) \
     X(image, image, MCV_REQUIRED, 0, 4294967294.0, \
       "index or name of one of the file's images, or {\"uri\": FILE.exr}") \
     MCV_IMAGE_RADIANCE_PARAMS(X)
 
-/* And where one of a sequence of patterns (mcvisi/pattern.h) may take the image's place. */
+/* For emitters whose image can be one of a sequence of patterns (mcvisi/pattern.h). */
 #define MCV_PATTERN_PARAMS(X) \
     MCV_PICTURE_PARAMS(X) \
     MCV_IMAGE_RADIANCE_PARAMS(X)
@@ -49,7 +51,7 @@
     X(image, image, MCV_UNSET, 0, 4294967294.0, \
       "index or name of one of the file's images, or {\"uri\": FILE.exr}") \
     X(pattern, pattern, MCV_UNSET, 0, 4294967294.0, "a sequence of patterns, in place of image") \
-    X(integer, index, 0, 0, 131071, "which one of the pattern's sequence")
+    X(integer, index, 0, 0, 131071, "index of the pattern in its sequence")
 
 #define MCV_IMAGE_RADIANCE_PARAMS(X) \
     X(spectrum, radiance, MCV_UNSET, 0, 1e30, "radiance L of the image's value 1 [W/(m² sr)]") \

@@ -1,25 +1,27 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Environment (type "environment"): radiance from everywhere behind the scene, infinitely far away,
- * met by rays that leave it. At most one per scene; its node's place has no meaning.
+ * Environment (type "environment"): radiance from infinitely far away in all directions. Rays that
+ * leave the scene hit it. A scene has at most one; its node's position has no effect.
  *
- * Without `image` it is the same radiance from everywhere, and nothing looks for it. With one, of W
- * x H pixels by longitude and latitude, it is `radiance` times the pixel's value: in the node's
- * frame, which the node's rotation turns, the direction d towards the sky lies in
+ * Without `image` the radiance is the same in all directions, and next-event estimation does not
+ * sample it. The image has W x H pixels by longitude and latitude; the radiance is `radiance` times
+ * the pixel's value. In the node's frame, which the node's rotation turns, the direction d towards
+ * the sky lies in
  *
  *     column = W (1/2 + atan2(d_x, -d_z)/2π)        row = H acos(d_y)/π
  *
- * so that the image's middle lies at the node's -z, its top at +y, and who looks along -z has its
- * right half on the right. A pixel is uniform, nothing is interpolated. Surfaces that spread light
- * choose a pixel by its brightness times its solid angle Ω = (4π/W) sin(π/2H) sin((2 row + 1)
- * π/2H), in it a direction by solid angle, weighed against their own choice by the power
- * heuristic.
+ * The image's centre lies at the node's -z and its top at +y; an observer who looks along -z has
+ * the image's right half on the right. A pixel is uniform, nothing is interpolated.
+ *
+ * Next-event estimation chooses a pixel by its brightness times its solid angle Ω = (4π/W)
+ * sin(π/2H) sin((2 row + 1) π/2H), and a direction in it by solid angle. The power heuristic weighs
+ * it against sampling of the BSDF.
  *
  *     {"type": "environment", "radiance": 0.1}
  *     {"type": "environment", "image": {"uri": "hall.exr"}, "radiance": 2}
  *
- * From the emitter's side: a direction chosen so, a place uniform on a disk across it that the
- * scene's bounding sphere throws.
+ * Emission: a direction chosen in this way, and a point uniform on the disk, across it, of the
+ * scene's bounding sphere.
  */
 #ifndef MCVISI_EMITTERS_ENVIRONMENT_H
 #define MCVISI_EMITTERS_ENVIRONMENT_H
@@ -39,7 +41,7 @@ typedef struct mcv_environment {
 } mcv_environment;
 MCV_ASSERT_SIZE(mcv_environment, 48);
 
-/* The image's pixel in a unit direction towards the sky. */
+/* The image's pixel for a unit direction towards the sky. */
 MCV_FUNCTION void mcv_environment_pixel(MCV_GLOBAL const mcv_environment *sky, mcv_vec3 direction,
                                         uint *column, uint *row) {
     const float right = mcv_dot(direction, mcv_vec(sky->x[0], sky->x[1], sky->x[2]));
@@ -55,7 +57,7 @@ MCV_FUNCTION uint mcv_environment_from_pole(MCV_GLOBAL const mcv_environment *sk
     return 2u * row < sky->height ? row : sky->height - 1u - row;
 }
 
-/* Solid angle of a pixel in the row [sr]. */
+/* The solid angle of a pixel in the row [sr]. */
 MCV_FUNCTION float mcv_environment_solid_angle(MCV_GLOBAL const mcv_environment *sky, uint row) {
     const float quarter = 0.25f / (float)sky->height;
     float height, middle, unused;
@@ -65,8 +67,8 @@ MCV_FUNCTION float mcv_environment_solid_angle(MCV_GLOBAL const mcv_environment 
     return 4.0f * MCV_PI / (float)sky->width * height * middle;
 }
 
-/* A direction in the pixel, uniform in its solid angle: sin²(θ/2) is uniform, from the nearer pole,
- * where a cosine has no digits. */
+/* A direction uniform in the solid angle of the pixel: sin²(θ/2) is uniform. θ counts from the
+ * nearer pole, where a cosine would lose its digits. */
 MCV_FUNCTION mcv_vec3 mcv_environment_sample(MCV_GLOBAL const mcv_environment *sky, uint column,
                                              uint row, float xi, float eta) {
     const float quarter = 0.25f / (float)sky->height;

@@ -1,25 +1,25 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Light field emitter (type "lightField"; report 4.1.3): a rectangle of M x N macro pixels. The
- * image has J x K pixels for each, M·J x N·K in all: which macro pixel holds the point q_i says
- * where, which of its pixels says in which direction.
+ * image has J x K pixels for each, M·J x N·K in all. The macro pixel is chosen by the point of
+ * emission q_i, its pixel by the direction of emission.
  *
  * In the node's frame (x right, y up, emitting along -z) macro pixel (0, 0) lies at -x, +y. With o
- * its centre and d the unit direction of emission, i = o + d lies on the unit hemisphere over o;
- * projected on the emitter's plane it falls into
+ * its centre and d the unit direction of emission, i = o + d lies on the unit hemisphere over o.
+ * Projected on the emitter's plane it falls into
  *
  *     column j = min(J - 1, floor((d_x + 1)/2 · J))     row k = min(K - 1, floor((1 - d_y)/2 · K))
  *
- * of the macro pixel, whose radiance is L times the image's value there. `angularRange` a, the sine
- * at the edge, puts d/a in place of d: the J x K pixels then share the directions with |d_x| <= a
- * and |d_y| <= a, and nothing is emitted beyond. Because d_x and d_y are sines, a pixel sends the
- * share of its area within the unit disk: Φ = Σ L A/(M N) (pixel ∩ disk).
+ * of the macro pixel. The radiance is L times the image's value there. `angularRange` a is the sine
+ * at the edge and replaces d by d/a: the J x K pixels then cover the directions with |d_x| <= a and
+ * |d_y| <= a, and no light leaves outside this range. Because d_x and d_y are sines, a pixel emits
+ * in proportion to its area within the unit disk: Φ = Σ L A/(M N) (pixel ∩ disk).
  *
- * `image` as for the telecentric projector. `radiance` is that of the value 1; power is that of the
- * whole rectangle, per channel.
+ * `image` is given as for the telecentric projector. `radiance` is that of the value 1; power is
+ * that of the whole rectangle, per channel.
  *
- *     {"type": "lightField", "image": 0, "size": ["32mm", "24mm"], "spatialResolution": [32, 24],
- * "angularResolution": [9, 9], "angularRange": 0.1, "radiance": 1}
+ *     {"type": "lightField", "image": 0, "size": ["32mm", "24mm"], "radiance": 1,
+ *      "spatialResolution": [32, 24], "angularResolution": [9, 9], "angularRange": 0.1}
  */
 #ifndef MCVISI_EMITTERS_LIGHT_FIELD_H
 #define MCVISI_EMITTERS_LIGHT_FIELD_H
@@ -37,14 +37,14 @@
 typedef struct mcv_light_field_emitter {
     uint macro_width, macro_height;     /* M, N */
     uint angular_width, angular_height; /* J, K */
-    float x[3], y[3];                   /* the node's axes in the world, over the angular range a */
+    float x[3], y[3]; /* the node's axes in the world, divided by the angular range a */
     uint padding[2];
 } mcv_light_field_emitter;
 MCV_ASSERT_SIZE(mcv_light_field_emitter, 48);
 
 /*
- * The image's pixel for the place (s, t) on the rectangle, from its upper left corner in its sides,
- * and a unit direction away from it. 0 where the direction is out of range.
+ * The image's pixel for the point (s, t) of the rectangle (from its upper left corner, in units of
+ * its sides) and a unit direction of emission. Returns 0 if the direction is out of range.
  */
 MCV_FUNCTION int mcv_light_field_pixel(MCV_GLOBAL const mcv_light_field_emitter *emitter, float s,
                                        float t, mcv_vec3 direction, uint *column, uint *row) {

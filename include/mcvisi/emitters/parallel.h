@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Parallel emitter (type "parallel"; report 4.1.1): every point of the surface emits radiance L
+ * Parallel emitter (type "parallel"; report 4.1.1): every point of the surface emits the radiance L
  * into the cone of half-angle β about the surface normal q_n. With c = q_d·q_n it emits if c > 0
- * and |q_d x q_n|² <= tan²β c² (a float32 cosine cannot tell 0.02° from 0). Solid angle 4π
- * sin²(β/2), exitance π L sin²β. β in (0, 90°]; β = 0 would be the collimated beam, another type,
- * which no ray of sight can meet by chance.
+ * and |q_d x q_n|² <= tan²β c² (a float32 cosine cannot tell 0.02° from 0). Its solid angle is 4π
+ * sin²(β/2), its exitance π L sin²β. β lies in (0, 90°]. β = 0 is the collimated beam, another
+ * type, because a camera ray hits it with probability 0.
  *
  *     {"type": "parallel", "size": ["60mm", "60mm"], "halfAngle": "0.5deg", "radiance": 1}
  */
@@ -22,9 +22,9 @@ typedef struct mcv_parallel {
     float tangent_squared; /* tan²β */
     float sin_half;        /* sin(β/2) */
     float solid_angle;     /* 4π sin²(β/2) [sr] */
-    uint from_receiver;    /* 1: one common normal: directions from a receiver may be chosen in the
-                              cone */
-    float axis[3];         /* that normal */
+    uint from_receiver; /* 1: all points have one normal, so that a receiver may choose directions
+                           in the cone */
+    float axis[3];      /* that normal */
     uint padding;
 } mcv_parallel;
 MCV_ASSERT_SIZE(mcv_parallel, 32);

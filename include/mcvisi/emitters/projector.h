@@ -1,36 +1,37 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Projector (type "projector"): the thin lens camera reversed. An image of W x H pixels of size l
- * stands at the distance b behind a lens of focal length f, the node's origin in its middle; every
- * point o = (o_x, o_y) of the lens's disk of diameter D sends the light of the pixel that a thin
- * lens camera at that node would see from there in that direction. In the node's frame (x right, y
- * up, z along the optical axis, the node's -z), with κ = (b - f)/(b f) = 1/throw and the direction
- * d:
+ * stands at the distance b behind a lens of focal length f and diameter D, whose centre is the
+ * node's origin. Each point o = (o_x, o_y) of the lens emits into a direction the light of one
+ * pixel: that which a thin lens camera at this node would see from o in this direction. In the
+ * node's frame (x right, y up, z along the optical axis, the node's -z), with κ = (b - f)/(b f) =
+ * 1/throw and the direction d:
  *
  *     column = W/2 + b/l_x (d_x/d_z + κ o_x)        row = H/2 - b/l_y (d_y/d_z + κ o_y)
  *
- * The picture is sharp at the depth 1/κ, where a pixel is l/(b κ) large, and blurred before and
- * behind. Row 0 lies at +y and column 0 at -x, so that on a wall it reads right from behind the
- * projector; "mirror": true flips the columns. A pixel is uniform, nothing is interpolated. The
- * emitter is a square of side D that absorbs what falls on it; outside the disk it is dark.
+ * The picture is sharp at the depth 1/κ, where a pixel is l/(b κ) large. Row 0 lies at +y and
+ * column 0 at -x: on a wall it reads right from behind the projector; "mirror": true flips the
+ * columns. A pixel is uniform, nothing is interpolated. The emitter is a square of side D that
+ * absorbs what falls on it; outside the disk it does not emit.
  *
- * `radiance` is that of the value 1, as it leaves the lens; `power` is what leaves the lens, per
- * channel. Through a disk of radius R = D/2 a direction element dm = l_x l_y/b² of the image at the
- * distance m from the axis, over b, sends (by inversion of the disk)
+ * `radiance` is that of the value 1 as it leaves the lens; `power` is what leaves the lens, per
+ * channel. A direction element dm = l_x l_y/b² of the image at the distance m from the axis, over
+ * b, emits through the disk of radius R = D/2 (by inversion of the disk)
  *
- *     dΦ = L dm 2π R²/(B (A + B)),   A = 1 + m² - κ²R²,   B² = (1 + (m - κR)²) (1 + (m + κR)²); on
- * the axis in focus at infinity L πR² dm.
+ *     dΦ = L dm 2π R²/(B (A + B)),   A = 1 + m² - κ²R²,   B² = (1 + (m - κR)²) (1 + (m + κR)²)
  *
- * `pattern` with `index` takes the image's place (mcvisi/pattern.h); its `resolution` is W x H
- * then.
+ * which is L πR² dm on the axis with the focus at infinity.
  *
- * imageDistance may be given as focusDistance, the throw; lensDiameter as fNumber = b/D.
+ * `pattern` with `index` replaces the image (mcvisi/pattern.h); its `resolution` is then W x H.
+ *
+ * focusDistance, the throw, may be given in place of imageDistance, and fNumber = b/D in place of
+ * lensDiameter.
  *
  *     {"type": "projector", "image": "stripes", "focalLength": "16mm", "focusDistance": "300mm",
- * "fNumber": 2.8, "pixelSize": "7.6um", "power": 0.5}
+ *      "fNumber": 2.8, "pixelSize": "7.6um", "power": 0.5}
  *
- * From the emitter's side: a place uniform on the square (density 1/D²; outside the disk it is
- * dark), a place uniform on the image, whence the direction.
+ * Emission: a point uniform on the square (density 1/D²) and a point uniform on the image; together
+ * they give the direction.
  */
 #ifndef MCVISI_EMITTERS_PROJECTOR_H
 #define MCVISI_EMITTERS_PROJECTOR_H
@@ -48,18 +49,18 @@
     X(flag, mirror, 0, 0, 1, "column 0 at +x instead of -x")
 
 typedef struct mcv_projector {
-    float x[3], y[3]; /* the image's axes in the world, to the right and down, in units that make
-                         tangents shares of its sides */
-    float axis[3];    /* unit; in which it shines */
-    float blur[2];    /* how far the lens's whole width moves the picture, in the image's sides */
+    float x[3], y[3]; /* the image's axes in the world, to the right and down; they turn tangents
+                         into shares of the image's sides */
+    float axis[3];    /* unit; direction of emission */
+    float blur[2];    /* shift of the picture across the lens's whole width, in the image's sides */
     uint padding;
 } mcv_projector;
 MCV_ASSERT_SIZE(mcv_projector, 48);
 
 /*
- * Where on the image, in its sides from the upper left corner, the light comes from that leaves the
- * place (s, t) on the lens's square, in its sides from its upper left corner, in a unit direction.
- * 0 where none does.
+ * The point of the image whose light leaves the point (s, t) of the lens's square in a unit
+ * direction. Both points are in units of the sides from the upper left corner. Returns 0 if the
+ * lens emits nothing there.
  */
 MCV_FUNCTION int mcv_projector_place(MCV_GLOBAL const mcv_projector *emitter, float s, float t,
                                      mcv_vec3 direction, float *across, float *down) {
@@ -81,9 +82,9 @@ MCV_FUNCTION int mcv_projector_place(MCV_GLOBAL const mcv_projector *emitter, fl
 
 #if !MCV_ON_DEVICE || MCV_WITH_LIGHT_TRACING
 /*
- * The direction of a light path from a place on the lens's square to a place (xi, eta) on the
- * image; *cosine gets that of its angle to the axis. Each carries the flux L cos⁴θ A M, A being the
- * square's area, M the image's in tangents: nothing outside the disk.
+ * The direction of a light path from a point of the lens's square through the point (xi, eta) of
+ * the image; *cosine gets the cosine of its angle to the axis. Each path carries the flux L cos⁴θ A
+ * M, or 0 outside the disk. A is the square's area, M the image's in tangents.
  */
 MCV_FUNCTION mcv_vec3 mcv_projector_emit(MCV_GLOBAL const mcv_projector *emitter, float s, float t,
                                          float xi, float eta, float *cosine) {

@@ -1,19 +1,19 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Spot light (type "spot", and KHR_lights_punctual): a point light along its node's -z. Within the
- * inner cone it has the radiant intensity I, from there to the outer cone I a² with
+ * Spot light (type "spot", and KHR_lights_punctual): a point light along its node's -z. Its radiant
+ * intensity is I within the inner cone, 0 outside the outer cone, and between them I a² with
  *
- *     a = (cosθ - cosθ_o)/(cosθ_i - cosθ_o) = (sin²(θ_o/2) - sin²(θ/2))/(sin²(θ_o/2) -
- * sin²(θ_i/2)),
+ *     a = (cosθ - cosθ_o)/(cosθ_i - cosθ_o)
+ *       = (sin²(θ_o/2) - sin²(θ/2))/(sin²(θ_o/2) - sin²(θ_i/2)).
  *
- * nothing beyond. Φ = 2π I ((1 - cosθ_i) + (cosθ_i - cosθ_o)/3). Distance and `range` count as for
- * the point light. Both angles are half-angles, from the axis; the inner one must not be the
- * larger. Where they are the same the edge is sharp.
+ * Φ = 2π I ((1 - cosθ_i) + (cosθ_i - cosθ_o)/3). Distance and `range` have the same effect as for
+ * the point light. Both angles are half-angles from the axis; the inner one must not be larger. If
+ * they are equal, the edge is sharp.
  *
  *     {"type": "spot", "intensity": 2, "innerConeAngle": "10deg", "outerConeAngle": "15deg"}
  *
- * From the emitter's side: a direction uniform in one of the cones that smooth bodies fill
- * (mcvisi/light_cone.h), carrying I a² over its density.
+ * Emission: a direction uniform in one of the cones of smooth bodies (mcvisi/light_cone.h); the
+ * path carries I a² over its density.
  */
 #ifndef MCVISI_EMITTERS_SPOT_H
 #define MCVISI_EMITTERS_SPOT_H
@@ -23,15 +23,15 @@
 #define MCV_SPOT_PARAMS(X) \
     MCV_INTENSITY_PARAMS(X) \
     X(angle, innerConeAngle, 0, 0, 1.5707963267948966, \
-      "half-angle θ_i within which the intensity is full [rad]") \
+      "half-angle θ_i of the cone of full intensity [rad]") \
     X(angle, outerConeAngle, 0.78539816339744831, MCV_POSITIVE, 1.5707963267948966, \
-      "half-angle θ_o beyond which there is none [rad]")
+      "half-angle θ_o of the cone outside which the intensity is 0 [rad]")
 
 typedef struct mcv_spot {
     float slope; /* 1/(sin²(θ_o/2) - sin²(θ_i/2)), FLT_MAX at most */
 } mcv_spot;
 
-/* a², with the edge sin²(θ_o/2). */
+/* a²; the outer edge lies at sin²(θ_o/2). */
 MCV_LOOP_FUNCTION float mcv_spot_share(MCV_GLOBAL const mcv_spot *light, float edge, float q) {
     const float a = (edge - q) * light->slope;
     return a <= 0.0f ? 0.0f : a >= 1.0f ? 1.0f : a * a;

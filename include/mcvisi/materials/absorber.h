@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Absorber (type "absorber"): takes all light. Black walls, stops, and the rectangles that emitters
- * without a mesh get. It has no parameters.
+ * Absorber (type "absorber"): absorbs all light. It is for black walls and stops; the rectangles of
+ * emitters without a mesh have it too. It has no parameters.
  *
  *     {"type": "absorber"}
  */

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Beam splitter (type "beamSplitter"): an infinitely thin smooth plate that reflects one share of
- * the light and passes another straight, whatever the angle and the side; the rest is absorbed. Per
- * channel reflectance + transmittance <= 1. The coaxial illumination of a camera: a plate at 45°
- * before its lens.
+ * Beam splitter (type "beamSplitter"): an infinitely thin smooth plate. It reflects one share of
+ * the light and transmits another straight on, both independent of the angle and the side, and
+ * absorbs the rest. Per channel, reflectance + transmittance <= 1. At 45° before a lens it makes
+ * the coaxial illumination of a camera.
  *
  *     {"type": "beamSplitter", "reflectance": 0.5, "transmittance": 0.5}
  */
@@ -14,6 +14,10 @@
 
 #define MCV_BEAM_SPLITTER_PARAMS(X) \
     X(spectrum, reflectance, 0.5, 0, 1, "share of the light that is reflected") \
-    X(spectrum, transmittance, 0.5, 0, 1, "share of the light that passes")
+    X(spectrum, transmittance, 0.5, 0, 1, "share of the light that is transmitted")
+
+typedef struct mcv_beam_splitter {
+    uint nothing; /* C has no empty structs */
+} mcv_beam_splitter;
 
 #endif

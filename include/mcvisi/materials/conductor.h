@@ -1,14 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Conductor (type "conductor"): an opaque metal of complex index n - ik that reflects by Fresnel's
- * formulas; smooth with roughness 0, else made of microfacets (mcvisi/materials/microfacet.h) with
- * α = roughness². What microfacets send on to each other leaves them where walks from microfacet to
- * microfacet do (Heitz et al. 2016, host/device/multiple.c), so that a metal that absorbs nothing
- * stays white. Brushed and turned metal: anisotropy s in (0, 1] widens the highlight along the
- * mesh's tangent, α_t = α + (1 - α) s² (KHR_materials_anisotropy); what its microfacets send on to
- * each other is right in sum only (Kulla and Conty 2017). Roughness between 0 and 0.032 is 0.032.
+ * formulas. With roughness 0 it is smooth, else it consists of microfacets
+ * (mcvisi/materials/microfacet.h) with α = roughness². Roughness between 0 and 0.032 is taken as
+ * 0.032.
  *
- * n and k are given as such, or by a metal's name: then they are those of its table in
+ * Light that several microfacets reflect is tabulated from random walks between microfacets (Heitz
+ * et al. 2016, host/device/multiple.c), so that a metal that absorbs nothing stays white.
+ * `anisotropy` s in (0, 1] describes brushed and turned metal: it widens the highlight along the
+ * mesh's tangent, α_t = α + (1 - α) s² (KHR_materials_anisotropy). There multiple reflection is
+ * right in its sum only (Kulla and Conty 2017).
+ *
+ * n and k are given as numbers or by the name of a metal. A name takes them from the table in
  * host/scene/metals.c at the wavelengths of the scene (MCVISI_spectrum, docs/scene-format.md).
  *
  *     {"type": "conductor", "metal": "copper", "roughness": 0.3}
@@ -24,6 +27,6 @@
       "real part of the refractive index n - ik, in place of a metal's name") \
     X(spectrum, k, MCV_UNSET, 0, 100, "extinction coefficient k of n - ik") \
     MCV_ROUGHNESS_PARAMS(X, 0) \
-    X(choice, metal, 0, 0, 7, "metal whose n and k at the scene's wavelengths count")
+    X(choice, metal, 0, 0, 7, "name of a metal; n and k are taken at the scene's wavelengths")
 
 #endif

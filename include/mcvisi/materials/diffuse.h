@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Diffuse material (type "diffuse"): Lambert reflection on both sides, f = reflectance/π.
- * Directions are chosen with density cosθ/π, so that a path is multiplied by the reflectance alone.
- * A glTF base colour texture multiplies the reflectance. With a transmittance it is a thin
- * translucent sheet, paper or opal: that share leaves diffusely on the other side, f =
- * transmittance/π, in the same medium. Reflectance and transmittance, which the texture multiplies
- * too, add up to at most 1.
+ * Directions are chosen with the density cosθ/π, so that a path is multiplied by the reflectance
+ * alone. A glTF base colour texture multiplies the reflectance.
+ *
+ * With a transmittance it is a thin translucent sheet, such as paper or opal glass: this share
+ * leaves diffusely on the other side, f = transmittance/π, in the same medium. The texture
+ * multiplies it too. Reflectance and transmittance add up to at most 1.
  *
  *     {"type": "diffuse", "reflectance": [0.8, 0.7, 0.6], "transmittance": 0.1}
  */
@@ -19,7 +20,7 @@
     X(spectrum, transmittance, 0, 0, 1, \
       "share of the light that leaves diffusely on the other side")
 
-/* The density [1/sr] of a direction whose cosine with the normal is given; also f cosθ of a white
+/* The density [1/sr] of a direction from its cosine with the normal; also f cosθ of a white
  * surface. */
 MCV_FUNCTION float mcv_diffuse_density(float cosine) { return cosine * (1.0f / MCV_PI); }
 

@@ -1,18 +1,19 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What all materials share. In a scene a material stands in the extension object MCVISI_materials
- * of a glTF material,
- * {"type": …, parameters}; core glTF materials are mapped to them (docs/scene-format.md).
+ * What all materials share. In a scene a material is the extension object MCVISI_materials of a
+ * glTF material, {"type": …, parameters}. glTF's core materials are mapped to them
+ * (docs/scene-format.md).
  *
- * A path carries L/n² (so a smooth interface multiplies by its transmittance only); pixel =
- * n_sensor² Σ … L_e/n_emitter². Interpolated normals bend light, the triangle's face decides on
- * which side it goes on.
+ * A path carries L/n², so that a smooth interface multiplies it by its transmittance only; pixel =
+ * n_sensor² Σ … L_e/n_emitter². Interpolated normals decide how light is reflected or refracted,
+ * the triangle's own normal decides on which side it continues.
  *
  * A material is one header with
  *     MCV_<NAME>_PARAMS(X)    its parameters (mcvisi/params.h)
- *     mcv_<name>              of MCV_REFLECTORS: what the device needs beside the reflectance
- *     what light does at it   for the device; kernels/bsdf/ puts it together with the path
- * and one line in MCV_REFLECTORS or MCV_MATERIALS (mcvisi/elements.h).
+ *     mcv_<name>              of MCV_SCATTERERS and MCV_PLATES: what the device needs beside the
+ *                             reflectance or transmittance
+ *     its optics              for the device; kernels/bsdf/ combines it with the path
+ * and one line in MCV_SCATTERERS, MCV_PLATES or MCV_MATERIALS (mcvisi/elements.h).
  */
 #ifndef MCVISI_MATERIALS_MATERIAL_H
 #define MCVISI_MATERIALS_MATERIAL_H
@@ -21,7 +22,7 @@
 #include "mcvisi/params.h"
 #include "mcvisi/sampling.h"
 
-/* Parameters of a surface that may be made of microfacets. */
+/* Parameters of a surface that may consist of microfacets. */
 #define MCV_ROUGHNESS_PARAMS(X, smoothest) \
     X(number, roughness, smoothest, 0, 1, "perceptual roughness: α is its square; 0: smooth") \
     X(number, anisotropy, 0, 0, 1, \

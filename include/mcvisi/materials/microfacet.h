@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Rough surfaces as microfacets: normals distributed by GGX (Walter, Marschner, Li and Torrance
- * 2007; Trowbridge and Reitz 1975), which hide and shadow each other by Smith's height-correlated
- * function (Heitz 2014), chosen among those that are visible (Dupuy and Benyoub 2023). α =
- * roughness²; where the surface is anisotropic α differs along the tangent and across.
+ * Rough surfaces as microfacets. Their normals have the GGX distribution (Walter, Marschner, Li and
+ * Torrance 2007; Trowbridge and Reitz 1975). They mask and shadow each other by Smith's
+ * height-correlated function (Heitz 2014). Visible normals are sampled (Dupuy and Benyoub 2023). α
+ * = roughness²; an anisotropic surface has one α along the tangent and another across.
  *
  * Vectors are given in the frame (tangent, bitangent, normal) of the surface.
  */
@@ -14,24 +14,25 @@
 #include "mcvisi/materials/material.h"
 
 /*
- * The narrowest α: a direction in float32 is known to about 1e-7, so that below it the share of a
- * microfacet's slope that is lost to rounding would pass 1e-4.
+ * The smallest α. A direction in float32 has an error of about 1e-7; below this α, its effect on a
+ * microfacet's slope would exceed 1e-4.
  */
 #define MCV_LEAST_ALPHA 1e-3f
 
-/* Rows of a table of albedos: cosines μ = (row/(rows - 1))², azimuths where α differs, roughnesses
- * where a texture gives it. */
+/* Rows of a table of albedos: cosines μ = (row/(rows - 1))². The azimuths are for anisotropic
+ * surfaces, the roughnesses for textured ones. */
 #define MCV_ALBEDO_COSINES 64
 #define MCV_ALBEDO_AZIMUTHS 17
 #define MCV_ALBEDO_ROUGHNESSES 17
 
 /*
- * A table of multiple scattering: rows and columns of cosines, where √μ/(√μ + √(1 - μ)) goes from 0
- * to 1 by equal steps; angles φ between azimuths, where c (1 + k)/(c + k) does, with c = |cos φ/2|
- * and k the sum of the cosines and of this; words of an entry; roughnesses.
+ * Sizes of a table of multiple scattering. Rows and columns are cosines μ, at equal steps of √μ/(√μ
+ * + √(1 - μ)) from 0 to 1. Angles φ between azimuths are at equal steps of c (1 + k)/(c + k), with
+ * c = |cos φ/2| and k the sum of the two cosines and of this. Then words of an entry, and
+ * roughnesses.
  */
 #define MCV_MULTIPLE_COSINES 23
-#define MCV_INTERFACE_COSINES 16 /* of rough glass */
+#define MCV_INTERFACE_COSINES 16 /* for rough glass */
 #define MCV_MULTIPLE_AZIMUTHS 8
 #define MCV_MULTIPLE_LEAST 0.02f
 #define MCV_MULTIPLE_WORDS 4
@@ -41,7 +42,7 @@ typedef struct mcv_alpha {
     float x, y; /* along the tangent, across */
 } mcv_alpha;
 
-/* Smith's Λ of a direction on either side. */
+/* Smith's Λ of a direction, on either side. */
 MCV_LOOP_FUNCTION float mcv_ggx_lambda(mcv_alpha alpha, mcv_vec3 w) {
     const float x = alpha.x * w.x;
     const float y = alpha.y * w.y;
@@ -51,10 +52,10 @@ MCV_LOOP_FUNCTION float mcv_ggx_lambda(mcv_alpha alpha, mcv_vec3 w) {
 }
 
 /*
- * The mean, over the heights at which light meets microfacets first, of being seen from two
- * directions on opposite sides, with these Λ: ∫ u^a (1 - u)^b du (Heitz and others 2016), Euler's
- * B(1 + a, 1 + b), by Stirling's series for arguments larger by 2. Relative error below 2e-6 (1 + a
- * + b).
+ * The masking of two directions on opposite sides with these Λ: the mean visibility from both over
+ * the heights of the microfacet, ∫ u^a (1 - u)^b du (Heitz and others 2016). This is Euler's B(1 +
+ * a, 1 + b), computed by Stirling's series for arguments larger by 2. Relative error below 2e-6 (1
+ * + a + b).
  */
 MCV_LOOP_FUNCTION float mcv_opposite_masking(float a, float b) {
     const float x = (a < 1e9f ? a : 1e9f) + 1.0f;
@@ -103,8 +104,8 @@ MCV_LOOP_FUNCTION float mcv_schlick(float c) {
     return (m * m) * (m * m) * m;
 }
 
-/* The share of unpolarised light that a metal of complex index n - ik, relative to the medium
- * before it, reflects. */
+/* The reflectance of a metal of complex index n - ik, relative to the medium before it, for
+ * unpolarised light. */
 MCV_LOOP_FUNCTION float mcv_conductor_fresnel(float n, float k, float cosine) {
     const float c2 = cosine * cosine;
     const float s2 = 1.0f - c2;

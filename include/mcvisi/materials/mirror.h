@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Mirror (type "mirror", and glTF metal without roughness): a smooth opaque surface that reflects a
- * share of the light, whatever the angle, on both sides.
+ * Mirror (type "mirror", and glTF metal without roughness): a smooth opaque surface. It reflects a
+ * share of the light that does not depend on the angle, on both sides.
  *
  *     {"type": "mirror", "reflectance": 0.95}
  */

@@ -1,25 +1,26 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Retroreflector (type "retroreflector"): sends light back to where it comes from, whatever the
- * angle of incidence θ; tape, reflex foil, corner cubes. By default it is ideal: the share
+ * Retroreflector (type "retroreflector"): sends light back to where it comes from, at any angle of
+ * incidence θ. It is for tape, reflex foil and corner cubes. By default it is ideal: the share
  * `reflectance` returns exactly along its way. A real one
- *  - loses light with the angle of incidence: the share that returns is reflectance times s²(θ) =
- * 1/(1 + (tanθ/tanθ_h)⁴), half at the `entranceAngle` θ_h;
- *  - spreads what returns about the way back, with the density p(δ) = a² cosδ/(π (a² cos²δ +
- * sin²δ)²) [1/sr] of the angle δ to it; within the `divergence`, a its tangent, lies half of the
- * light. The tails fall with the fourth power of δ;
- *  - scatters the share `diffuseReflectance` as a diffuse surface does.
+ *
+ *   - loses light with the angle of incidence: the share that returns is reflectance times s²(θ),
+ *     s²(θ) = 1/(1 + (tanθ/tanθ_h)⁴). It is half at the `entranceAngle` θ_h.
+ *   - spreads the returned light about the way back, by the angle δ to it, with the density
+ *     p(δ) = a² cosδ/(π (a² cos²δ + sin²δ)²) [1/sr]. Half of the light lies within the
+ *     `divergence`, whose tangent is a. The tails fall with the fourth power of δ.
+ *   - scatters the share `diffuseReflectance` as a diffuse surface does.
  *
  *     f(o, i) = reflectance s(θ_o) s(θ_i) p(δ)/max(cosθ_o, cosθ_i) + diffuseReflectance/π
  *
- * is reciprocal and sends out no more than reflectance + diffuseReflectance, which must be at
- * most 1. Light that would return below the surface is absorbed. The sides are alike. A divergence
- * between 0 and 1e-4 is 1e-4. The functions are phenomenological, of the shape that the photometry
- * of sheeting describes (CIE 54.2:2001): a coefficient of retroreflection by entrance and
- * observation angle.
+ * This is reciprocal and reflects at most reflectance + diffuseReflectance, whose sum is at most 1.
+ * Light that would return below the surface is absorbed. Both sides are alike. A divergence between
+ * 0 and 1e-4 is taken as 1e-4. The functions are phenomenological: they have the shape that the
+ * photometry of sheeting describes (CIE 54.2:2001), a coefficient of retroreflection by entrance
+ * and observation angle.
  *
- *     {"type": "retroreflector", "reflectance": 0.5, "entranceAngle": "35deg", "divergence":
- * "0.3deg", "diffuseReflectance": 0.1}
+ *     {"type": "retroreflector", "reflectance": 0.5, "entranceAngle": "35deg",
+ *      "divergence": "0.3deg", "diffuseReflectance": 0.1}
  */
 #ifndef MCVISI_MATERIALS_RETROREFLECTOR_H
 #define MCVISI_MATERIALS_RETROREFLECTOR_H
@@ -29,20 +30,20 @@
 #define MCV_RETROREFLECTOR_PARAMS(X) \
     X(spectrum, reflectance, 1, 0, 1, "share of light at normal incidence that returns") \
     X(angle, entranceAngle, 1.5707963267948966, MCV_POSITIVE, 1.5707963267948966, \
-      "angle of incidence at which half as much returns; 90deg: at all angles as much [rad]") \
+      "angle of incidence at which half as much returns; 90deg: the same at all angles [rad]") \
     X(angle, divergence, 0, 0, 1.5, \
-      "angle about the way back, within which half of the returned light lies; 0: all returns " \
+      "angle to the way back within which half of the returned light lies; 0: all returns " \
       "exactly " \
       "[rad]") \
     X(spectrum, diffuseReflectance, 0, 0, 1, "share of the light that is scattered diffusely")
 
-/* What the device needs of them, beside the shares of light. */
+/* What the device needs beside the reflectances. */
 typedef struct mcv_retroreflector {
     float spread; /* tangent of the divergence; 0: light returns exactly */
     float fall;   /* 1/tangent of the entrance angle */
 } mcv_retroreflector;
 
-/* The narrowest divergence: directions in float32 are known to 1e-7. */
+/* The smallest divergence: directions in float32 have an error of 1e-7. */
 #define MCV_LEAST_DIVERGENCE 1e-4f
 
 /* s²(θ); `fall` is 1/tanθ_h, the cosine is above 0. */
@@ -53,7 +54,7 @@ MCV_FUNCTION float mcv_retroreflector_efficiency(float fall, float cosine) {
     return 1.0f / mcv_fma(squared, squared, 1.0f);
 }
 
-/* p(δ) of two unit vectors; `spread` is a. The cross product keeps the digits of small angles. */
+/* p(δ) for two unit vectors; `spread` is a. The cross product keeps the digits of small angles. */
 MCV_FUNCTION float mcv_retroreflector_density(float spread, mcv_vec3 o, mcv_vec3 i) {
     const mcv_vec3 across = mcv_cross(o, i);
     const float c = mcv_dot(o, i);

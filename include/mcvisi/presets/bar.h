@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Bar light (type "bar"): a rectangle in the node's xy plane, `length` along x, `width` along y,
- * that emits along -z: diffusely, or with `halfAngle` into a cone about -z.
+ * that emits along -z. It emits diffusely, or with `halfAngle` into a cone about -z.
  *
  *     {"type": "bar", "length": "200mm", "width": "20mm", "halfAngle": "15deg", "power": 3}
  */

@@ -1,14 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Dome light (type "dome"): a hemisphere of diameter D about the node's origin, open towards -z,
- * with a hole of diameter d at its top
- * (+z) for the camera. Its inside has the same radiance L everywhere and in all directions and
- * absorbs what falls back on it: the ideal of a white dome lit from its rim, whose light and
- * interreflections L stands for. What the dome sends back of a part's own light is left out; it is
- * little where the part is small or dark.
+ * with a hole of diameter d at its top (+z) for the camera. Its inside has the radiance L
+ * everywhere and in all directions, and absorbs what falls on it. This is the ideal of a white dome
+ * lit from its rim; L includes that dome's own interreflections. Light from the part that the dome
+ * would reflect is left out; it is little if the part is small or dark.
  *
- * In the centre of the opening a plane that faces the dome gets E = π L (1 - d²/D²). The inside's
- * area is π D √(D² - d²)/2. Its circles are polygons of 128 sides and of the circles' area.
+ * In the centre of the opening a plane that faces the dome has the irradiance E = π L (1 - d²/D²).
+ * The inside's area is π D √(D² - d²)/2. Its circles are polygons of 128 sides with the circles'
+ * area.
  *
  *     {"type": "dome", "diameter": "120mm", "holeDiameter": "20mm", "radiance": 10}
  */

@@ -1,16 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Light field camera (type "lightField"; report 4.2.2): M x N macro pixels of J x K sensor pixels
- * each. All samples of a macro pixel look at the same focused point, through different places of
- * the main lens: with c the centre of the macro pixel that holds s, (x, y) = c and o = -(s - c)/(J
- * l_x/2, K l_y/2) · D_l/2, the report's linear map in this frame. It is computed from integers (u =
- * (column mod J + ξ)/J): a float column + ξ rounds into the next macro pixel. "aperture": "square"
- * is the report's; "circle" gives weight 0 outside D_l/2. The film has M·J x N·K pixels. Of binned
- * macro pixels each sample looks through one, drawn by the aperture sample that is free here.
- * Irradiance: A = D_l² (the square that is sampled), h = b.
+ * each; the film has M·J x N·K pixels. All samples of a macro pixel look at the same focused point,
+ * through different points of the main lens. With c the centre of the macro pixel that contains s,
+ * (x, y) = c and o = -(s - c)/(J l_x/2, K l_y/2) · D_l/2, the report's linear map in this frame. It
+ * is computed from integers (u = (column mod J + ξ)/J), because a float column + ξ could round into
+ * the next macro pixel.
  *
- * imageDistance may be given as focusDistance w, lensDiameter as fNumber = b/D_l, both as for the
- * thin lens.
+ * "aperture": "square" is the report's; "circle" gives weight 0 outside D_l/2. With binning, each
+ * sample looks through one of the binned macro pixels, chosen by the aperture sample, which is not
+ * used otherwise. Irradiance: A = D_l² (the sampled square), h = b.
+ *
+ * focusDistance w may be given in place of imageDistance, and fNumber = b/D_l in place of
+ * lensDiameter, as for the thin lens.
  *
  *     {"type": "lightField", "focalLength": "50mm", "imageDistance": "60mm", "lensDiameter":
  * "20mm", "spatialResolution": [160, 120], "angularResolution": [9, 9], "pixelSize": "4um"}
@@ -40,21 +42,22 @@ typedef struct mcv_light_field {
     float kappa;                        /* (b - f)/(b f) [1/m] */
     float radius;                       /* D_l / 2 [m] */
     float etendue;                      /* A/h², 0 for radiance */
-    uint circle;                        /* 1: only the disk of the lens passes light */
-    float bend; /* 1/f where the angles on the image's side count, else 0 [1/m] */
+    uint circle;                        /* 1: only the inscribed disk transmits light */
+    float bend;                         /* 1/f if falloff is by image-side angles, else 0 [1/m] */
     uint padding;
 } mcv_light_field;
 MCV_ASSERT_SIZE(mcv_light_field, 64);
 
-/* One of `count`, for ξ in [0, 1): the product may round up to `count`. */
+/* One of `count`, for ξ in [0, 1); the clamp is needed because the product may round up to
+ * `count`. */
 MCV_FUNCTION uint mcv_pick(float xi, uint count) {
     const uint i = (uint)(xi * (float)count);
     return i < count ? i : count - 1u;
 }
 
 /*
- * The ray of sight through a place of the square of the lens that belongs to the pixel, -1 … 1
- * along columns and rows; (film.x, film.y) is the macro pixel's place among those that are binned.
+ * The camera ray through a point, -1 … 1 along columns and rows, of the pixel's square of the lens.
+ * (film.x, film.y) chooses among the binned macro pixels.
  */
 MCV_LOOP_FUNCTION mcv_sensor_ray mcv_light_field_through(MCV_CONSTANT const mcv_light_field *sensor,
                                                          mcv_film_sample film, float p_x,
@@ -95,9 +98,9 @@ MCV_LOOP_FUNCTION mcv_sensor_ray mcv_light_field_sample(MCV_CONSTANT const mcv_l
 
 #if !MCV_ON_DEVICE || MCV_WITH_LIGHT_TRACING
 /*
- * The macro pixel from (x, y), its sensor pixel from o. Rays of sight go through the middles of
- * macro pixels only, which no other light meets by chance: each stands for its whole macro pixel
- * here, over which light paths bring the mean.
+ * The macro pixel from (x, y), its sensor pixel from o. Camera rays pass only through centres of
+ * macro pixels, which light paths hit with probability 0. For light paths each centre therefore
+ * stands for its whole macro pixel; they measure the mean over it.
  */
 MCV_FUNCTION float mcv_light_field_invert(MCV_CONSTANT const mcv_light_field *sensor,
                                           mcv_sensor_ray sensor_ray, mcv_film_point *place) {
@@ -135,7 +138,7 @@ MCV_FUNCTION float mcv_light_field_connect(MCV_CONSTANT const mcv_light_field *s
     return 4.0f * sensor->radius * sensor->radius;
 }
 
-/* A macro pixel's, shared out among its sensor pixels. */
+/* The footprint of a macro pixel, divided among its sensor pixels. */
 MCV_FUNCTION float mcv_light_field_footprint(MCV_CONSTANT const mcv_light_field *sensor, float z) {
     const float macro =
         sensor->slope_x * sensor->slope_y * (float)(sensor->binning_x * sensor->binning_y);

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Pinhole camera (type "pinhole"): perspective without blur. All rays of sight start in the origin,
- * direction
- * (-s_x/b, -s_y/b, 1). It has no aperture, so it measures radiance only; "irradiance" is bad input.
+ * Pinhole camera (type "pinhole"): perspective without blur. All camera rays start in the origin,
+ * with the direction (-s_x/b, -s_y/b, 1). It has no aperture, so it measures radiance only;
+ * "irradiance" is an error.
  *
  *     {"type": "pinhole", "imageDistance": "16mm", "resolution": [640, 480], "pixelSize": "5um"}
  */
@@ -37,8 +37,7 @@ MCV_LOOP_FUNCTION mcv_sensor_ray mcv_pinhole_sample(MCV_CONSTANT const mcv_pinho
 }
 
 #if !MCV_ON_DEVICE || MCV_WITH_LIGHT_TRACING
-/* There is one place on the lens: W is per area of d alone, and only what is aimed at it comes
- * through. */
+/* The lens is one point, so W is per area of d alone. Only connections reach it. */
 MCV_FUNCTION float mcv_pinhole_invert(MCV_CONSTANT const mcv_pinhole *sensor,
                                       mcv_sensor_ray sensor_ray, mcv_film_point *place) {
     place->column = mcv_on_film(sensor->centre_x, -sensor_ray.direction.x / sensor->slope_x);

@@ -1,17 +1,22 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Telecentric camera (type "telecentric"; report 4.2.1): a stop of diameter D_t in the image-side
- * focal plane z = -f of the main lens. Image point s on z = -b, a uniform on the stop, o = s + (a -
- * s) b/(b - f) on the lens; weight 0 if |o| > D_l/2. Because the stop lies in the focal plane the
- * direction is exactly (-a_x/f, -a_y/f, 1), so every chief ray is parallel to the axis and the
- * image scale m = (b - f)/f is the same at every depth. b <= f is bad input. In focus: depth W = b
- * f/(b - f). Irradiance: A = π D_t²/4 (the stop), h = b - f: constant over the image, unless
- * "falloff" is "imageSide": there the chief rays lean.
+ * focal plane z = -f of the main lens. For the image point s on z = -b and a point a uniform on the
+ * stop, the point on the lens is o = s + (a - s) b/(b - f); the weight is 0 if |o| > D_l/2.
  *
- * Either focalLength, imageDistance, stopDiameter, lensDiameter or, as on a datasheet,
+ * Because the stop lies in the focal plane, the direction is exactly (-a_x/f, -a_y/f, 1). Every
+ * chief ray is parallel to the axis, and the image scale m = (b - f)/f is the same at every depth.
+ * b <= f is an error. The depth in focus is W = b f/(b - f). Irradiance: A = π D_t²/4 (the stop), h
+ * = b - f. It is constant over the image, unless "falloff" is "imageSide": chief rays are oblique
+ * there.
+ *
+ * Given are either focalLength, imageDistance, stopDiameter and lensDiameter or, as on a datasheet,
  * magnification m, workingDistance W and fNumber N (working, image side) or numericalAperture NA =
- * m/(2N) (object side): f = W m/(1 + m)   b = f (1 + m)   D_t = 2 f NA   D_l = diagonal of the
- * field + 2 W NA Both sets may be given if they agree.
+ * m/(2N) (object side):
+ *
+ *     f = W m/(1 + m)   b = f (1 + m)   D_t = 2 f NA   D_l = diagonal of the field + 2 W NA
+ *
+ * Both sets may be given if they agree.
  *
  *     {"type": "telecentric", "magnification": 0.25, "workingDistance": "110mm", "fNumber": 8,
  *      "resolution": [2448, 2048], "pixelSize": "3.45um"}
@@ -46,18 +51,18 @@ typedef struct mcv_telecentric {
     float stop_to_direction; /* 1/f [1/m] */
     float lens_radius;       /* D_l / 2 [m] */
     float etendue;           /* A/h², 0 for radiance */
-    float bend;              /* 1/f where the angles on the image's side count, else 0 [1/m] */
+    float bend;              /* 1/f if falloff is by image-side angles, else 0 [1/m] */
 } mcv_telecentric;
 MCV_ASSERT_SIZE(mcv_telecentric, 48);
 
-/* The ray of sight through a point of the stop, in stop radii. */
+/* The camera ray through a point of the stop, in stop radii. */
 MCV_LOOP_FUNCTION mcv_sensor_ray mcv_telecentric_through(MCV_CONSTANT const mcv_telecentric *sensor,
                                                          mcv_film_sample film, float p_x,
                                                          float p_y) {
     mcv_sensor_ray sensor_ray;
     const float a_x = sensor->stop_radius * p_x;
     const float a_y = sensor->stop_radius * p_y;
-    /* o = a b/(b - f) - s f/(b - f), both factors from double: no cancellation in a - s. */
+    /* o = a b/(b - f) - s f/(b - f). Both factors are computed in double: a - s would cancel. */
     const float o_x =
         mcv_fma(a_x, sensor->stop_to_lens,
                 -mcv_from_centre(sensor->centre_x, film.column, film.x) * sensor->pixel_x);
@@ -102,8 +107,8 @@ MCV_FUNCTION float mcv_telecentric_invert(MCV_CONSTANT const mcv_telecentric *se
            (MCV_PI * stop * stop * sensor->pixel_x * sensor->pixel_y);
 }
 
-/* A place on the stop, a direction therefore: a place on the lens would seldom be seen through the
- * stop. */
+/* Chooses a point of the stop, which gives the direction. A point chosen on the lens would seldom
+ * pass the stop. */
 MCV_FUNCTION float mcv_telecentric_connect(MCV_CONSTANT const mcv_telecentric *sensor,
                                            mcv_vec3 point, float xi, float eta,
                                            mcv_sensor_ray *sensor_ray) {

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Thin lens camera (type "thinLens"): entocentric, with depth of field. Image point s on the plane
- * z = -b, o uniform on the lens's disk of diameter D_l. In focus: depth 1/κ, κ = (b - f)/(b f); b <
- * f looks at a virtual plane behind the lens. Irradiance: A = π D_l²/4, h = b.
+ * Thin lens camera (type "thinLens"): entocentric, with depth of field. The image point s lies on
+ * the plane z = -b, o is uniform on the lens's disk of diameter D_l. The depth in focus is 1/κ, κ =
+ * (b - f)/(b f); with b < f it is a virtual plane behind the lens. Irradiance: A = π D_l²/4, h = b.
  *
- * imageDistance may be given as focusDistance w, the depth in focus: b = f w/(w - f); lensDiameter
- * as fNumber, the working one N = b/D_l (mcvisi/sensors/sensor.h). Both of a pair may be given if
- * they agree.
+ * focusDistance w, the depth in focus, may be given in place of imageDistance: b = f w/(w - f).
+ * fNumber, the working one N = b/D_l (mcvisi/sensors/sensor.h), may be given in place of
+ * lensDiameter. Both of a pair may be given if they agree.
  *
  *     {"type": "thinLens", "focalLength": "25mm", "focusDistance": "400mm", "fNumber": 4,
  *      "resolution": [1280, 1024], "pixelSize": "4.8um", "radiometry": "irradiance"}
@@ -27,12 +27,12 @@ typedef struct mcv_thin_lens {
     float kappa;            /* (b - f)/(b f) [1/m] */
     float radius;           /* D_l / 2 [m] */
     float etendue;          /* A/h², 0 for radiance */
-    float bend;             /* 1/f where the angles on the image's side count, else 0 [1/m] */
+    float bend;             /* 1/f if falloff is by image-side angles, else 0 [1/m] */
     uint padding[2];
 } mcv_thin_lens;
 MCV_ASSERT_SIZE(mcv_thin_lens, 48);
 
-/* The ray of sight through a point of the lens, in lens radii. */
+/* The camera ray through a point of the lens, in lens radii. */
 MCV_LOOP_FUNCTION mcv_sensor_ray mcv_thin_lens_through(MCV_CONSTANT const mcv_thin_lens *sensor,
                                                        mcv_film_sample film, float p_x, float p_y) {
     mcv_sensor_ray sensor_ray;

@@ -1,33 +1,34 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Exact surfaces: MCVISI_surfaces, a root array of bodies {"type": …, parameters} and an index
- * {"surface": i} on the node that places one. They are met where their formula says, with its
- * normal, at any scale; a lens takes a few hundred bytes. Lengths are in metres and do not scale
- * with the node. A body has the material that `material` names (index or name in the file's
- * `materials`).
+ * Exact surfaces. MCVISI_surfaces is a root array of bodies {"type": …, parameters}; a node places
+ * one by its index {"surface": i}. Rays hit them where their formula says, with its normal, at any
+ * scale; a lens takes a few hundred bytes. Lengths are in metres and do not scale with the node.
+ * `material` names the body's material (index or name in the file's `materials`).
  *
  * "lens": optical surfaces in a row along the node's +z, the first vertex in its origin.
  *
- *     {"type": "lens", "surfaces": [{"radius": "50mm", "semiDiameter": "12.5mm", "thickness":
- * "5mm", "material": "glass"},
- *                                   {"radius": "-50mm", "semiDiameter": "12.5mm"}]}
+ *     {"type": "lens", "surfaces": [
+ *         {"radius": "50mm", "semiDiameter": "12.5mm", "thickness": "5mm", "material": "glass"},
+ *         {"radius": "-50mm", "semiDiameter": "12.5mm"}]}
  *
- * A surface's sag is z(r) = c r²/(1 + √(1 - (1 + k) c² r²)) + Σ A_i r^i with r² = x² + y², or y²
- * where it is cylindrical; c = 1/radius, 0 where no radius is given, positive if the centre lies
- * towards +z; k is the conic constant (0 sphere, -1 paraboloid), `asphere` holds A_4, A_6 … A_18
- * [m^(1-i)]. `thickness` leads to the next vertex; `material` fills the space up to the next
- * surface, without it is a gap. Surfaces that two materials share are in contact: light goes from
- * the one into the other, as in a cemented doublet. Each body's edge is a cylinder whose radius is
- * the larger semi-diameter of its two surfaces; the other surface goes on to it. The edge absorbs,
- * as if blackened; `rim` names another material (a diffuse one for ground glass, the glass's own
- * for a polished edge, none else that lets light through).
+ * The sag of a surface is z(r) = c r²/(1 + √(1 - (1 + k) c² r²)) + Σ A_i r^i with r² = x² + y², or
+ * r² = y² for a cylindrical one. c = 1/radius is 0 without a radius, and positive if the centre
+ * lies towards +z. k is the conic constant (0 sphere, -1 paraboloid). `asphere` holds A_4, A_6 …
+ * A_18 [m^(1-i)].
  *
- * "surface": one such surface by itself, with a hole of radius `holeRadius`: mirrors, stops,
- * screens. "disc": a plane one. Their front faces -z. "box", "cylinder" (along z) and "sphere" are
- * centred in the node's origin.
+ * `thickness` is the distance to the next vertex. `material` fills the space up to the next
+ * surface; without it this space is a gap. A surface between two materials is their contact: light
+ * passes from one into the other, as in a cemented doublet. Each body's edge is a cylinder whose
+ * radius is the larger semi-diameter of its two surfaces; the other surface is continued up to it.
+ * The edge absorbs, as if blackened. `rim` names another material: a diffuse one for ground glass,
+ * the glass's own for a polished edge; other transparent materials are errors.
  *
- * Bodies of glass, exact or meshes, may touch one another: surfaces in the same place, to the
- * rounding of coordinates, are met together.
+ * "surface" is one such surface by itself, with a hole of radius `holeRadius`: for mirrors, stops
+ * and screens. "disc" is a plane one. Their front faces -z. "box", "cylinder" (along z) and
+ * "sphere" are centred in the node's origin.
+ *
+ * Bodies of glass, exact ones or meshes, may touch. Surfaces that coincide, up to the rounding of
+ * coordinates, are hit together.
  */
 #ifndef MCVISI_SURFACES_H
 #define MCVISI_SURFACES_H
@@ -55,7 +56,7 @@
     X(flag, cylindrical, 0, 0, 1, "curved along y only") \
     X(length, semiDiameter, MCV_REQUIRED, MCV_POSITIVE, 1e6, "radius of the surface's edge [m]")
 
-/* Of a surface in a lens. */
+/* For a surface in a lens. */
 #define MCV_LENS_SURFACE_PARAMS(X) \
     MCV_OPTICAL_SURFACE_PARAMS(X) \
     X(length, thickness, 0, 0, 1e6, "distance from this vertex to the next one [m]")

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * LED (type "led"): the example of "An emitter" in docs/adding-an-element.md.
+ * LED (type "led"): the example of "A light without extent" in
+ * docs/adding-an-element.md.
  *
  * A light without extent at its node's origin, along the node's -z. At the angle θ from the axis it
  * has the radiant intensity

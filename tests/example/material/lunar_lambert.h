@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Lunar-Lambert reflector (type "lunarLambert"): the example of "A material" in
+ * Lunar-Lambert reflector (type "lunarLambert"): the example of "A scattering material" in
  * docs/adding-an-element.md.
  *
  * Powder and dust look flatter than a Lambertian surface does: a full moon is no darker towards its

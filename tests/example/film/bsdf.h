@@ -1,0 +1,50 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The diffusing film on the device (mcvisi/materials/diffusing_film.h): becomes
+ * kernels/bsdf/diffusing_film.h. */
+#ifndef MCVISI_KERNELS_DIFFUSING_FILM_H
+#define MCVISI_KERNELS_DIFFUSING_FILM_H
+
+#include "bsdf/scattering.h"
+
+#if MCV_WITH_REFLECTOR
+/*
+ * What comes from a unit direction: f cosθ by channel, and the density with which mcv_scatter_… of
+ * this material chooses that direction. The normal and the face lie on the side of the path: light
+ * comes from behind both. The film is thin: the media are the same there.
+ */
+MCV_FUNCTION mcv_response mcv_respond_diffusing_film(mcv_world world, mcv_interaction interaction,
+                                                     uint material, uint media,
+                                                     mcv_vec3 direction) {
+    const float c_o = -mcv_dot(interaction.direction, interaction.normal),
+                c_i = -mcv_dot(direction, interaction.normal);
+    const int comes = (c_o > 0.0f) & (c_i > 0.0f) & (mcv_dot(direction, interaction.face) < 0.0f);
+    mcv_response response;
+    response.value = mcv_grey(0.0f);
+    response.density = 0.0f;
+    response.media = media;
+    if (!comes) return response;
+    response.density = mcv_retroreflector_density(
+        world.materials[material].as.diffusing_film.spread, interaction.direction, direction);
+    response.value = mcv_dim(mcv_material_value(world, interaction.surface, material),
+                             response.density * (c_i < c_o ? c_i / c_o : 1.0f));
+    return response;
+}
+
+/* Where the path goes on. What would not leave behind the film is absorbed. */
+MCV_FUNCTION mcv_scattering mcv_scatter_diffusing_film(mcv_world world, mcv_interaction interaction,
+                                                       uint material, uint media, mcv_pair pair,
+                                                       float choice) {
+    const mcv_vec3 direction = mcv_retroreflector_sample(
+        world.materials[material].as.diffusing_film.spread, interaction.direction, pair.x, pair.y);
+    const mcv_response response =
+        mcv_respond_diffusing_film(world, interaction, material, media, direction);
+    mcv_scattering scattering = mcv_scatter_into(direction, media, MCV_EVENT_END);
+    (void)choice;
+    scattering.density = response.density;
+    scattering.factor =
+        response.density > 0.0f ? mcv_dim(response.value, 1.0f / response.density) : mcv_grey(0.0f);
+    return scattering;
+}
+#endif
+
+#endif
