@@ -285,7 +285,7 @@ FUNCTIONS = [
     Verb(
         "import_lens",
         "import",
-        "A lens file of a design program (Zemax .zmx, CODE V .seq) as a scene with exact surfaces.\n"
+        "A lens file of a design program (Zemax .zmx, CODE V .seq) as a scene of exact surfaces.\n"
         "The rig's `report` compares it with what the file states.",
         "path: Path",
         "Rig",

@@ -8,7 +8,7 @@ from typing import Any, List, Mapping
 
 
 class Finding:
-    """A sentence about a scene. severity: "error", "warning" or "note"; path: where in the scene."""
+    """A sentence about a scene. severity: "error", "warning" or "note"; path: where it is."""
 
     def __init__(self, severity: str, path: str, text: str) -> None:
         self.severity, self.path, self.text = severity, path, text

@@ -83,7 +83,7 @@ class Image(ImageVerbs, Handle):
     An image: float32 values of shape (rows, columns) or (rows, columns, 3).
 
     numpy.asarray(image) is a view of the values, without a copy and read-only; it keeps the image.
-    error, samples: the same for the standard error of each value, and for the samples of each pixel.
+    error, samples: the same for the standard error of each value, and the samples of each pixel.
     """
 
     _what = "image"

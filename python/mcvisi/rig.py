@@ -360,7 +360,7 @@ def _few(names: List[str]) -> str:
 
 
 def _binary_chunk(path: str) -> bytes:
-    """The second chunk of a .glb file: behind a header of 12 bytes, each has its length and type."""
+    """The second chunk of a .glb file. Behind 12 bytes, each has its length and type first."""
     with open(path, "rb") as file:
         content = file.read()
     at = 20 + int.from_bytes(content[12:16], "little")

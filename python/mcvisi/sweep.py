@@ -65,8 +65,8 @@ class Sweep:
     """
     A sweep of a rig as it was when sweep() was called. It begins when it is first looked at.
 
-    `for row in sweep` gives the rows as they finish. Leaving the loop, or Ctrl-C, ends the sweep and
-    keeps the rows so far; they come first when it is looped over again. rows, to_pandas() and
+    `for row in sweep` gives the rows as they finish. Leaving the loop, or Ctrl-C, ends the sweep
+    and keeps the rows so far; they come first when it is looped over again. rows, to_pandas() and
     to_xarray() wait for the end.
     """
 

@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Wrong values everywhere: each call succeeds, or raises an exception of the package with a sentence.
+"""Wrong values everywhere: each call succeeds, or raises the package's exception with a sentence.
 
 A crash of the interpreter fails the test by itself.
 """
