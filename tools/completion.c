@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Build tool: completion FILE writes the completion of bash from the list of options
- * (host/cli/options.h). */
-#include "cli/command.h"
+ * (host/options/options.h). */
+#include "options/command.h"
 
 #include <ctype.h>
 #include <errno.h>
@@ -148,7 +148,7 @@ int main(int argc, char **argv) {
     if (script) {
         fputs("# shellcheck shell=bash\n"
               "# Completion of mcvisi's verbs, options, values and files. Generated from "
-              "host/cli/options.h.\n"
+              "host/options/options.h.\n"
               "# The words at each place; % stands for files.\n"
               "declare -gA _mcvisi_words=(\n    [\"verbs\"]=\"--help --version",
               script);

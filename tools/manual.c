@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Build tool: manual FOLDER writes the manual pages mcvisi.1 and mcvisi-VERB.1 from the list of
- * options (host/cli/options.h). */
-#include "cli/command.h"
+ * options (host/options/options.h). */
+#include "options/command.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -80,7 +80,7 @@ static void put_line(FILE *page, const char *text) {
 }
 
 static void put_head(FILE *page, const char *title, const char *doc) {
-    fputs(".\\\" Generated from host/cli/options.h.\n", page);
+    fputs(".\\\" Generated from host/options/options.h.\n", page);
     fprintf(page, ".TH \"%s\" 1 \"\" \"mcvisi %s\" \"MC ViSi\"\n.nh\n.SH NAME\n", title,
             MCV_VERSION);
     put_text(page, title);

@@ -4,7 +4,7 @@
 #define MCVISI_HOST_ACCEL_BVH_H
 
 #include "mcvisi/accel.h"
-#include "mcvisi/mcvisi.h"
+#include "core/error.h"
 
 /* Both arrays are aligned to 128 bytes, so that an OpenCL device may use them in place. */
 typedef struct mcv_bvh {

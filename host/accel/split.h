@@ -14,7 +14,7 @@
 #endif
 
 #include "mcvisi/accel.h"
-#include "mcvisi/mcvisi.h"
+#include "core/error.h"
 
 /* Four lanes, of which the last holds anything, for one vector instruction. */
 typedef struct mcv_box3f {

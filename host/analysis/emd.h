@@ -20,7 +20,7 @@
 #ifndef MCVISI_HOST_ANALYSIS_EMD_H
 #define MCVISI_HOST_ANALYSIS_EMD_H
 
-#include "mcvisi/mcvisi.h"
+#include "core/error.h"
 
 /* Largest J K: with more, a single pair would take seconds. */
 enum { MCV_EMD_MAX_BINS = 1024 };

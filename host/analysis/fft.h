@@ -7,7 +7,7 @@
 #ifndef MCVISI_HOST_ANALYSIS_FFT_H
 #define MCVISI_HOST_ANALYSIS_FFT_H
 
-#include "mcvisi/mcvisi.h"
+#include "core/error.h"
 
 enum { MCV_FFT_LINES = 8 };
 

@@ -75,12 +75,20 @@ static mcv_result understand(const char *path, const uint64_t angular[2],
     return mcv_light_field_check(path, &file->image, file->angular, error);
 }
 
-mcv_result mcv_light_field_read(const char *path, const uint64_t angular[2],
-                                mcv_light_field_file *file, mcv_error *error) {
-    MCV_TRY(mcv_exr_read(path, &file->exr, error));
+mcv_result mcv_light_field_of(mcv_exr *exr, const char *path, const uint64_t angular[2],
+                              mcv_light_field_file *file, mcv_error *error) {
+    file->exr = *exr;
+    *exr = (mcv_exr){0};
     const mcv_result result = understand(path, angular, file, error);
     if (result != MCV_OK) mcv_light_field_free(file);
     return result;
+}
+
+mcv_result mcv_light_field_read(const char *path, const uint64_t angular[2],
+                                mcv_light_field_file *file, mcv_error *error) {
+    mcv_exr exr;
+    MCV_TRY(mcv_exr_read(path, &exr, error));
+    return mcv_light_field_of(&exr, path, angular, file, error);
 }
 
 void mcv_light_field_free(mcv_light_field_file *file) { mcv_exr_free(&file->exr); }

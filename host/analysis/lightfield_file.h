@@ -19,13 +19,18 @@ typedef struct mcv_light_field_file {
  */
 mcv_result mcv_light_field_read(const char *path, const uint64_t angular[2],
                                 mcv_light_field_file *file, mcv_error *error);
-/* The light of a part of such a file, as in `image` above; belongs to the part. */
-mcv_result mcv_light_field_light(const char *path, const mcv_exr_part *part, mcv_image *light,
-                                 mcv_error *error);
+
+/* The same of an image in memory, which changes owners, also on failure. */
+mcv_result mcv_light_field_of(mcv_exr *exr, const char *path, const uint64_t angular[2],
+                              mcv_light_field_file *file, mcv_error *error);
 void mcv_light_field_free(mcv_light_field_file *file);
 
 /* A header's numbers. MCV_BAD_INPUT where the attribute is missing or has not `count` of them. */
 mcv_result mcv_light_field_attribute(const char *path, const mcv_exr *exr, const char *name,
                                      double *numbers, uint32_t count, mcv_error *error);
+
+/* The light of a part of such a file, as in `image` above; belongs to the part. */
+mcv_result mcv_light_field_light(const char *path, const mcv_exr_part *part, mcv_image *light,
+                                 mcv_error *error);
 
 #endif

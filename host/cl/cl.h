@@ -9,7 +9,7 @@
 #define CL_USE_DEPRECATED_OPENCL_1_2_APIS
 #include <CL/cl.h>
 
-#include "mcvisi/mcvisi.h"
+#include "core/error.h"
 
 typedef struct mcv_cl {
     cl_platform_id platform;

@@ -5,7 +5,7 @@
 #ifndef MCVISI_HOST_CL_FLATTEN_H
 #define MCVISI_HOST_CL_FLATTEN_H
 
-#include "mcvisi/mcvisi.h"
+#include "core/error.h"
 
 /*
  * Reads <root>/kernels/<program>.cl and, for mcv_cl_build, the probe. Includes are searched in

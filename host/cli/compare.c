@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* mcvisi compare: do two renders of the same picture differ by more than their noise? */
-#include "analysis/compare.h"
-#include "cli/command.h"
+#include "cli/verbs.h"
 #include "cli/picture.h"
-#include "cli/report.h"
+#include "cli/tell.h"
+#include "verbs/report.h"
 #include "scene/sensor_find.h"
 #include "io/exr.h"
 #include "io/figure.h"
@@ -11,6 +11,8 @@
 #include "report/progress.h"
 #include "reference/reference.h"
 #include "loader/load.h"
+#include "verbs/compare.h"
+#include "verbs/render_picture.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -19,87 +21,18 @@
 
 /* One of the two renders: a file, or a scene that is rendered here. */
 typedef struct render {
-    const char *path;
     mcv_exr exr;
     mcv_image mean, error; /* of a scene */
-    mcv_measured measured;
-    mcv_film film; /* of a file: the replicates' means, each as one sample; empty if it has none */
-    char quantity[64], unit[64], sampler[64], device[256];
-    double seed;
+    mcv_compared compared;
 } render;
 
-static const char *text_attribute(const mcv_exr *exr, const char *name) {
-    const mcv_attribute *attribute = mcv_exr_attribute(exr, name);
-    return attribute && attribute->text ? attribute->text : "unknown";
-}
-
-static double number_attribute(const mcv_exr *exr, const char *name) {
-    const mcv_attribute *attribute = mcv_exr_attribute(exr, name);
-    return attribute && !attribute->text && attribute->count == 1 ? attribute->numbers[0] : NAN;
-}
-
-static const mcv_image *find_part(const mcv_exr *exr, const char *name) {
-    for (uint32_t p = 0; p < exr->part_count; ++p)
-        if (strcmp(exr->parts[p].name, name) == 0) return &exr->parts[p].image;
-    return NULL;
-}
-
-static bool is_finite(const mcv_image *image) {
-    for (size_t i = 0; i < (size_t)image->width * image->height * image->channels; ++i)
-        if (!isfinite(image->pixels[i])) return false;
-    return true;
-}
-
-/* Makes the film of the replicates if the file has all of them. Rank tests need finite numbers:
- * other images have no film. */
-static mcv_result gather_replicates(render *r, mcv_error *error) {
-    const mcv_image *mean = r->measured.mean;
-    const size_t count = (size_t)mean->width * mean->height * mean->channels;
-    char name[32];
-    for (uint32_t k = 0; k < r->measured.replicates; ++k) {
-        snprintf(name, sizeof name, MCV_PICTURE_REPLICATE, k);
-        const mcv_image *image = find_part(&r->exr, name);
-        const bool fits = image && image->width == mean->width && image->height == mean->height &&
-                          image->channels == mean->channels;
-        if (!fits || !is_finite(image)) return MCV_OK;
-    }
-    MCV_TRY(mcv_film_new(&r->film, mean->width, mean->height, mean->channels,
-                         r->measured.replicates, error));
-    for (uint32_t k = 0; k < r->measured.replicates; ++k) {
-        snprintf(name, sizeof name, MCV_PICTURE_REPLICATE, k);
-        const mcv_image *image = find_part(&r->exr, name);
-        for (size_t i = 0; i < count; ++i) r->film.sums[k * count + i] = image->pixels[i];
-    }
-    r->film.samples = 1;
-    return MCV_OK;
-}
-
 static mcv_result read_render(const char *path, render *r, mcv_error *error) {
-    r->path = path;
     MCV_TRY(mcv_exr_read(path, &r->exr, error));
-    const double replicates = number_attribute(&r->exr, "mcvisi:replicates");
-    r->measured.mean = &r->exr.parts[0].image;
-    r->measured.error = find_part(&r->exr, "error");
-    if (!r->measured.error)
-        return mcv_fail(error, MCV_BAD_INPUT,
-                        "%s: has no part `error`: must be written by `mcvisi render` with two or "
-                        "more --replicates",
-                        path);
-    if (!(replicates >= 2 && replicates <= MCV_MAX_REPLICATES && replicates == floor(replicates)))
-        return mcv_fail(error, MCV_BAD_INPUT,
-                        "%s: mcvisi:replicates in its header must be an integer from 2 to %d", path,
-                        MCV_MAX_REPLICATES);
-    r->measured.replicates = (uint32_t)replicates;
-    snprintf(r->quantity, sizeof r->quantity, "%s", text_attribute(&r->exr, "mcvisi:quantity"));
-    snprintf(r->unit, sizeof r->unit, "%s", text_attribute(&r->exr, "mcvisi:unit"));
-    snprintf(r->sampler, sizeof r->sampler, "%s", text_attribute(&r->exr, "mcvisi:sampler"));
-    snprintf(r->device, sizeof r->device, "%s", text_attribute(&r->exr, "mcvisi:device"));
-    r->seed = number_attribute(&r->exr, "mcvisi:seed");
-    return gather_replicates(r, error);
+    return mcv_compared_read(&r->exr, path, &r->compared, error);
 }
 
 static void free_render(render *r) {
-    mcv_film_free(&r->film);
+    mcv_film_free(&r->compared.film);
     mcv_image_free(&r->mean);
     mcv_image_free(&r->error);
     mcv_exr_free(&r->exr);
@@ -128,22 +61,23 @@ static mcv_result render_loaded(const mcv_command *command, mcv_scene *scene, re
     uint32_t sensor;
     MCV_TRY(choose_sensor(command, scene, &sensor, error));
     MCV_TRY(mcv_render_options_read(command, &options, error));
-    mcv_progress_line line = mcv_progress_stderr(r->path, NULL);
+    mcv_progress_line line = mcv_progress_stderr(r->compared.path, NULL);
     options.progress = mcv_progress_report;
     options.user = &line;
     const mcv_result result = (reference ? mcv_reference_render : mcv_render)(
-        scene, sensor, &options, &r->film, &stats, error);
+        scene, sensor, &options, &r->compared.film, &stats, error);
     mcv_progress_end(&line);
     MCV_TRY(result);
-    MCV_TRY(mcv_film_develop(&r->film, &r->mean, &r->error, error));
+    MCV_TRY(mcv_film_develop(&r->compared.film, &r->mean, &r->error, error));
     const bool irradiance = mcv_sensor_measures_irradiance(scene->sensors + sensor);
-    snprintf(r->quantity, sizeof r->quantity, "%s", irradiance ? "irradiance" : "radiance");
-    snprintf(r->unit, sizeof r->unit, "%s", irradiance ? "W/m^2" : "W/(m^2 sr)");
-    snprintf(r->sampler, sizeof r->sampler, "%s",
+    snprintf(r->compared.quantity, sizeof r->compared.quantity, "%s",
+             irradiance ? "irradiance" : "radiance");
+    snprintf(r->compared.unit, sizeof r->compared.unit, "%s", irradiance ? "W/m^2" : "W/(m^2 sr)");
+    snprintf(r->compared.sampler, sizeof r->compared.sampler, "%s",
              reference || options.sampler == MCV_SAMPLER_RANDOM ? "random" : "sobol");
-    snprintf(r->device, sizeof r->device, "%s", stats.device);
-    r->seed = options.seed;
-    r->measured = (mcv_measured){&r->mean, &r->error, options.replicates};
+    snprintf(r->compared.device, sizeof r->compared.device, "%s", stats.device);
+    r->compared.seed = options.seed;
+    r->compared.measured = (mcv_measured){&r->mean, &r->error, options.replicates};
     return MCV_OK;
 }
 
@@ -152,7 +86,7 @@ static mcv_result render_scene(const mcv_command *command, const char *path, ren
     mcv_command options = *command;
     mcv_scene *scene;
     options.replicates = command->repeats;
-    r->path = path;
+    r->compared.path = path;
     MCV_TRY(mcv_scene_load(path, (mcv_overrides){command->set.items, command->set.count}, &scene,
                            error));
     const mcv_result result = render_loaded(&options, scene, r, error);
@@ -223,58 +157,13 @@ static mcv_result check_options(const mcv_command *command, mcv_error *error) {
 
 /* --- the comparison --- */
 
-/* Equal seeds have equal sample points: the noise is correlated, and the tests find fewer
- * differences. */
-static void warn_of_seeds(const render *a, const render *b) {
-    if (a->seed != b->seed || strcmp(a->sampler, b->sampler) != 0 ||
-        strcmp(a->device, b->device) != 0)
-        return;
-    fprintf(stderr,
-            "mcvisi: warning: both images have seed %.0f: their noise is correlated and hides "
-            "differences; render one with another --seed\n",
-            a->seed);
-}
-
-static mcv_result report_comparison(const mcv_command *command, const render *a, const render *b,
-                                    bool ranks, const mcv_comparison *c, mcv_error *error) {
-    mcv_report report;
-    double histogram[MCV_COMPARE_BINS];
-    for (int i = 0; i < MCV_COMPARE_BINS; ++i) histogram[i] = (double)c->histogram[i];
-    mcv_report_begin(&report, command->json);
-    mcv_report_flag(&report, "different", c->different);
-    mcv_report_text(&report, "reason", c->reason);
-    mcv_report_text(&report, "pixel_test", ranks ? "Mann-Whitney and Welch" : "Welch");
-    mcv_report_numbers(&report, "replicates", "", ", ",
-                       (const double[]){a->measured.replicates, b->measured.replicates}, 2);
-    mcv_report_numbers(&report, "means", a->unit, ", ", (const double[]){c->mean_x, c->mean_y}, 2);
-    mcv_report_number(&report, "p_unit", "", c->p_unit);
-    mcv_report_number(&report, "p_tiles", "", c->p_tiles);
-    mcv_report_number(&report, "p_count", "", c->p_count);
-    mcv_report_number(&report, "p_image", "", c->p_image);
-    mcv_report_number(&report, "alpha", "", MCV_COMPARE_ALPHA);
-    mcv_report_number(&report, "units", "", (double)c->units);
-    mcv_report_number(&report, "tiles", "", (double)c->tiles);
-    mcv_report_number(&report, "small_tiles", "", (double)c->small_tiles);
-    mcv_report_numbers(&report, "tiles_by_p", "", " ", histogram, MCV_COMPARE_BINS);
-    mcv_report_number(&report, "detectable", "", c->detectable);
-    mcv_report_number(&report, "detectable_tile", "", c->detectable_tile);
-    mcv_report_open(&report, "worst");
-    mcv_report_number(&report, "channel", "", c->worst.channel);
-    mcv_report_number(&report, "column", "", c->worst.column);
-    mcv_report_number(&report, "row", "", c->worst.row);
-    mcv_report_numbers(&report, "size", "", " x ",
-                       (const double[]){c->worst.width, c->worst.height}, 2);
-    mcv_report_close(&report);
-    return mcv_report_end(&report, error);
-}
-
 static const char *file_name(const char *path) {
     const char *slash = strrchr(path, '/');
     return slash ? slash + 1 : path;
 }
 
 /* Differences beyond 5 standard errors have the same colour. */
-static mcv_result draw_difference(const char *path, const render *a, const render *b,
+static mcv_result draw_difference(const char *path, const mcv_compared *a, const mcv_compared *b,
                                   bool different, mcv_error *error) {
     const mcv_color_scale scale = {.map = MCV_COLORMAP_DIVERGING, .low = -5, .high = 5};
     mcv_image difference;
@@ -288,19 +177,16 @@ static mcv_result draw_difference(const char *path, const render *a, const rende
     return result;
 }
 
-static mcv_result compare(const mcv_command *command, const render *a, const render *b,
+static mcv_result compare(const mcv_command *command, const mcv_compared *a, const mcv_compared *b,
                           mcv_error *error) {
-    if (strcmp(a->quantity, b->quantity) != 0)
-        return mcv_fail(error, MCV_BAD_INPUT, "%s is %s and %s is %s: both must be the same",
-                        a->path, a->quantity, b->path, b->quantity);
     mcv_comparison comparison;
-    const bool ranks = a->film.samples > 0 && b->film.samples > 0;
-    MCV_TRY(ranks ? mcv_compare_films(&a->film, &b->film, &comparison, error)
-                  : mcv_compare_images(&a->measured, &b->measured, &comparison, error));
+    mcv_report report;
+    MCV_TRY(mcv_compare(a, b, &comparison, error));
     if (command->difference)
         MCV_TRY(draw_difference(command->difference, a, b, comparison.different, error));
-    warn_of_seeds(a, b);
-    MCV_TRY(report_comparison(command, a, b, ranks, &comparison, error));
+    mcv_report_begin(&report, command->json, mcv_tell);
+    mcv_compare_report(a, b, &comparison, &report);
+    MCV_TRY(mcv_report_end(&report, error));
     return comparison.different ? MCV_FAILED : MCV_OK;
 }
 
@@ -310,7 +196,7 @@ mcv_result mcv_verb_compare(const mcv_command *command, mcv_error *error) {
     MCV_TRY(check_options(command, error));
     mcv_result result = get_a(command, &a, error);
     if (result == MCV_OK) result = get_b(command, &b, error);
-    if (result == MCV_OK) result = compare(command, &a, &b, error);
+    if (result == MCV_OK) result = compare(command, &a.compared, &b.compared, error);
     free_render(&a);
     free_render(&b);
     return result;

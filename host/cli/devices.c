@@ -1,38 +1,44 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* mcvisi devices: the devices for --device. */
-#include "cl/cl.h"
-#include "cli/command.h"
-#include "cli/report.h"
+/* mcvisi devices: what --device can name. A client of the public header. */
+#include "cli/verbs.h"
+#include "core/error.h"
 
 #include <stdio.h>
 
-static void report_device(void *user, unsigned index, const mcv_cl *device) {
-    mcv_report *report = user;
-    const char *type = device->cpu ? "cpu" : "gpu";
-    if (!report->json) {
-        printf("%u  %s  %s, %u compute units, %.1f GiB\n   %s\n", index, device->name, type,
-               device->units, (double)device->memory / 0x1p30, device->version);
-        return;
+static double number_of(const json_t *device, const char *key) {
+    return json_number_value(json_object_get(device, key));
+}
+
+static const char *text_of(const json_t *device, const char *key) {
+    const char *text = json_string_value(json_object_get(device, key));
+    return text ? text : "";
+}
+
+static void print_devices(const json_t *devices) {
+    size_t i;
+    const json_t *d;
+    json_array_foreach((json_t *)devices, i, d) {
+        printf("%.0f  %s  %s, %.0f compute units, %.1f GiB\n   %s\n", number_of(d, "number"),
+               text_of(d, "name"), text_of(d, "type"), number_of(d, "compute_units"),
+               number_of(d, "memory") / 0x1p30, text_of(d, "version"));
     }
-    mcv_report_element(report, device->name, type);
-    mcv_report_number(report, "number", "", index);
-    mcv_report_number(report, "compute_units", "", device->units);
-    mcv_report_number(report, "memory", "B", (double)device->memory);
-    mcv_report_number(report, "largest_allocation", "B", (double)device->largest_allocation);
-    mcv_report_text(report, "version", device->version);
-    mcv_report_close(report);
 }
 
 mcv_result mcv_verb_devices(const mcv_command *command, mcv_error *error) {
-    mcv_report report;
-    mcv_report_begin(&report, command->json);
-    if (!command->json) return mcv_cl_list(report_device, &report, error);
-    mcv_report_list(&report, "devices");
-    const mcv_result result = mcv_cl_list(report_device, &report, error);
-    mcv_report_close(&report);
-    mcv_error unreported = {""};
-    const mcv_result reported = mcv_report_end(&report, &unreported);
-    if (result != MCV_OK || reported == MCV_OK) return result;
-    *error = unreported;
-    return reported;
+    char *report;
+    MCV_TRY(mcv_devices(&report, error));
+    json_t *document = json_loads(report, 0, NULL);
+    const char *message = json_string_value(json_object_get(document, "message"));
+    const mcv_result result =
+        message ? mcv_fail(error, MCV_DEVICE, "%s", message) : MCV_OK; /* there is none */
+    mcv_text_free(report);
+    json_object_del(document, "message");
+    if (command->json) {
+        json_dumpf(document, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(17));
+        putchar('\n');
+    } else {
+        print_devices(json_object_get(document, "devices"));
+    }
+    json_decref(document);
+    return result;
 }

@@ -1,12 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* mcvisi import: a lens file of a design program to a glTF file with exact surfaces, for a scene to
  * place. */
-#include "cli/command.h"
-#include "cli/report.h"
+#include "cli/verbs.h"
+#include "cli/tell.h"
+#include "verbs/report.h"
 #include "core/output_file.h"
-#include "lens/lens_file.h"
-#include "scene/scene.h"
-#include "loader/load.h"
+#include "verbs/import.h"
 
 #include <limits.h>
 #include <math.h>
@@ -44,39 +43,10 @@ static void print_report(const mcv_lens_report *report) {
     for (int i = 0; i < report->warning_count; ++i) mcv_tell("warning", report->warnings[i]);
 }
 
-/* Writes the document if a scene accepts it: the loader may refuse what the reader of lens files
- * accepts. */
-static mcv_result write_checked(const char *path, const char *from, const char *text,
-                                mcv_error *error) {
-    mcv_output output;
-    mcv_scene *scene;
-    mcv_error refusal;
-    MCV_TRY(mcv_output_open(&output, path, error));
-    mcv_result result = mcv_output_write(&output, text, strlen(text), error);
-    if (result == MCV_OK &&
-        mcv_scene_load(output.temporary, (mcv_overrides){NULL, 0}, &scene, &refusal) == MCV_OK) {
-        mcv_scene_free(scene);
-        return mcv_output_commit(&output, error);
-    }
-    if (result == MCV_OK) {
-        const size_t length = strlen(output.temporary);
-        const char *what = strncmp(refusal.text, output.temporary, length) == 0
-                               ? refusal.text + length
-                               : refusal.text;
-        result =
-            mcv_fail(error, MCV_BAD_INPUT, "%s: its lens is not valid in a scene%s", from, what);
-    }
-    mcv_output_discard(&output);
-    return result;
-}
-
 mcv_result mcv_verb_import(const mcv_command *command, mcv_error *error) {
     const char *from = command->argument, *dot = strrchr(from, '.');
-    const mcv_lens_options options = {command->index.items, command->index.count,
-                                      (mcv_lens_shape)command->curvature};
     char path[PATH_MAX];
     mcv_lens_report report;
-    json_t *scene;
     const int stem = dot ? (int)(dot - from) : (int)strlen(from);
     const int length = command->lens ? snprintf(path, sizeof path, "%s", command->lens)
                                      : snprintf(path, sizeof path, "%.*s.gltf", stem, from);
@@ -84,11 +54,9 @@ mcv_result mcv_verb_import(const mcv_command *command, mcv_error *error) {
         return mcv_fail(error, MCV_USAGE, "the path of the lens is longer than %d bytes", PATH_MAX);
     if (mcv_same_file(path, from))
         return mcv_fail(error, MCV_USAGE, "%s is the lens file: give the lens another name", path);
-    MCV_TRY(mcv_lens_file_read(from, &options, &scene, &report, error));
-    char *text = json_dumps(scene, JSON_INDENT(1) | JSON_REAL_PRECISION(12));
-    json_decref(scene);
-    if (!text) return mcv_fail(error, MCV_FAILED, "%s: no memory to write it", path);
-    const mcv_result result = write_checked(path, from, text, error);
+    char *text;
+    MCV_TRY(mcv_import(command, &text, &report, error));
+    const mcv_result result = mcv_output_whole(path, text, strlen(text), error);
     free(text);
     if (result != MCV_OK) return result;
     printf("%s\n", path);

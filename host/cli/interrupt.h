@@ -4,7 +4,7 @@
 #ifndef MCVISI_HOST_CLI_INTERRUPT_H
 #define MCVISI_HOST_CLI_INTERRUPT_H
 
-#include "mcvisi/mcvisi.h"
+#include "core/error.h"
 
 #include <signal.h>
 

@@ -1,13 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* mcvisi lightfield: sub-aperture views and the Earth Mover's gradient of a light field image. */
 #include "analysis/contrast.h"
-#include "analysis/lightfield_file.h"
-#include "cli/command.h"
+#include "cli/verbs.h"
 #include "core/basics.h"
-#include "cli/report.h"
+#include "cli/tell.h"
+#include "verbs/report.h"
 #include "io/figure.h"
 #include "core/output_file.h"
 #include "io/png.h"
+#include "verbs/lightfield.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -45,29 +46,9 @@ static mcv_result plan(const mcv_command *command, outputs *out, mcv_error *erro
     return MCV_OK;
 }
 
-/* Attributes that are no longer valid: the result has no macro pixels and no black level. */
-static bool is_past(const char *attribute) {
-    return strcmp(attribute, "mcvisi:angularResolution") == 0 ||
-           strcmp(attribute, "mcvisi:blackLevel") == 0;
-}
-
-/* Writes the parts with their own attributes and the still valid ones of their source. */
-static mcv_result write_exr(const char *path, const mcv_exr *source, const mcv_exr_part *parts,
-                            uint32_t part_count, const mcv_attribute *own, uint32_t own_count,
-                            mcv_error *error) {
-    mcv_attribute *attributes = malloc((own_count + source->attribute_count) * sizeof *attributes);
-    uint32_t count = own_count;
-    if (!attributes) return mcv_fail(error, MCV_FAILED, "%s: no memory for its header", path);
-    memcpy(attributes, own, own_count * sizeof *own);
-    for (uint32_t i = 0; i < source->attribute_count; ++i) {
-        bool replaced = is_past(source->attributes[i].name);
-        for (uint32_t k = 0; k < own_count; ++k)
-            replaced = replaced || strcmp(own[k].name, source->attributes[i].name) == 0;
-        if (!replaced) attributes[count++] = source->attributes[i];
-    }
-    const mcv_result result = mcv_exr_write(path, parts, part_count, attributes, count, error);
-    free(attributes);
-    return result;
+static mcv_result write_exr(const char *path, const mcv_exr *exr, mcv_error *error) {
+    return mcv_exr_write(path, exr->parts, exr->part_count, exr->attributes, exr->attribute_count,
+                         error);
 }
 
 /* --- views --- */
@@ -98,41 +79,14 @@ static mcv_result write_views_png(const char *path, const mcv_image *views,
     return result;
 }
 
-/* The views of the image, and of each part that is as large: its errors. */
-static mcv_result write_views_exr(const char *path, const mcv_light_field_file *file,
-                                  const mcv_image *views, mcv_error *error) {
-    const mcv_attribute own[] = {{.name = "mcvisi:layout", .text = "sub-aperture views"}};
-    const mcv_exr *exr = &file->exr;
-    mcv_exr_part *parts = calloc(exr->part_count, sizeof *parts);
-    uint32_t count = 1;
-    mcv_result result = MCV_OK;
-    if (!parts) return mcv_fail(error, MCV_FAILED, "%s: no memory for its parts", path);
-    parts[0] = (mcv_exr_part){.name = "image", .image = *views};
-    for (uint32_t i = 1; i < exr->part_count && result == MCV_OK; ++i) {
-        mcv_image light;
-        if (exr->parts[i].image.width != file->image.width ||
-            exr->parts[i].image.height != file->image.height)
-            continue;
-        result = mcv_light_field_light(path, exr->parts + i, &light, error);
-        if (result == MCV_OK)
-            result = mcv_light_field_views(&light, file->angular, &parts[count].image, error);
-        if (result == MCV_OK) parts[count++].name = exr->parts[i].name;
-    }
-    if (result == MCV_OK) result = write_exr(path, exr, parts, count, own, 1, error);
-    for (uint32_t i = 1; i < count; ++i) mcv_image_free(&parts[i].image);
-    free(parts);
-    return result;
-}
-
 static mcv_result write_views(const mcv_light_field_file *file, const outputs *out,
                               mcv_error *error) {
-    mcv_image views;
-    MCV_TRY(mcv_light_field_views(&file->image, file->angular, &views, error));
-    mcv_result result = MCV_OK;
-    if (out->exr) result = write_views_exr(out->exr, file, &views, error);
+    mcv_exr views;
+    MCV_TRY(mcv_views_make(file, &views, error));
+    mcv_result result = out->exr ? write_exr(out->exr, &views, error) : MCV_OK;
     if (out->png && result == MCV_OK)
-        result = write_views_png(out->png, &views, file->angular, error);
-    mcv_image_free(&views);
+        result = write_views_png(out->png, &views.parts[0].image, file->angular, error);
+    mcv_exr_free(&views);
     return result;
 }
 
@@ -144,37 +98,25 @@ typedef struct account {
     double seconds;
 } account;
 
-static const char *const forms[] = {"normalized", "mass"};
-
 static mcv_result write_gradient(const mcv_command *command, const mcv_light_field_file *file,
                                  const outputs *out, account *told, mcv_error *error) {
-    static const char *const units[] = {"fraction of the pupil",
-                                        "fraction of the pupil x median mass"};
-    const char *unit = units[command->form];
-    const mcv_attribute own[] = {{.name = "mcvisi:quantity", .text = "Earth Mover's gradient"},
-                                 {.name = "mcvisi:unit", .text = unit},
-                                 {.name = "mcvisi:form", .text = forms[command->form]}};
-    mcv_image gradient;
+    mcv_exr gradient;
     char title[256];
     const double begun = mcv_seconds();
-    MCV_TRY(mcv_light_field_gradient(&file->image, file->angular,
-                                     command->form ? MCV_EMD_MASS : MCV_EMD_NORMALIZED,
-                                     (uint32_t)command->threads, &gradient, error));
+    MCV_TRY(mcv_gradient_make(command, file, &gradient, error));
+    const mcv_image *image = &gradient.parts[0].image;
     told->seconds = mcv_seconds() - begun;
-    told->spread = mcv_image_spread(&gradient, NULL);
+    told->spread = mcv_image_spread(image, NULL);
     const mcv_color_scale scale = {.map = MCV_COLORMAP_VIRIDIS,
                                    .high = command->scale_end > 0 ? command->scale_end
-                                                                  : mcv_preview_white(&gradient)};
-    snprintf(title, sizeof title, "Earth Mover's gradient (%s) of %s", forms[command->form],
+                                                                  : mcv_preview_white(image)};
+    snprintf(title, sizeof title, "Earth Mover's gradient (%s) of %s", mcv_emd_forms[command->form],
              command->second);
-    mcv_result result = MCV_OK;
-    if (out->exr)
-        result =
-            write_exr(out->exr, &file->exr, &(mcv_exr_part){.name = "image", .image = gradient}, 1,
-                      own, sizeof own / sizeof own[0], error);
+    mcv_result result = out->exr ? write_exr(out->exr, &gradient, error) : MCV_OK;
     if (out->png && result == MCV_OK)
-        result = mcv_figure_write(out->png, &gradient, title, unit, &scale, error);
-    mcv_image_free(&gradient);
+        result = mcv_figure_write(out->png, image, title,
+                                  mcv_exr_attribute(&gradient, "mcvisi:unit")->text, &scale, error);
+    mcv_exr_free(&gradient);
     return result;
 }
 
@@ -185,12 +127,12 @@ static mcv_result report(const mcv_command *command, const mcv_light_field_file 
     const uint32_t *angular = file->angular;
     const uint32_t columns = file->image.width / angular[0], rows = file->image.height / angular[1];
     mcv_report r;
-    mcv_report_begin(&r, command->json);
+    mcv_report_begin(&r, command->json, mcv_tell);
     mcv_report_text(&r, "image", command->second);
     mcv_report_numbers(&r, "macro_pixels", "", " x ", (const double[]){columns, rows}, 2);
     mcv_report_numbers(&r, "angular", "", " x ", (const double[]){angular[0], angular[1]}, 2);
     if (told) {
-        mcv_report_text(&r, "form", forms[command->form]);
+        mcv_report_text(&r, "form", mcv_emd_forms[command->form]);
         mcv_report_number(&r, "mean", "", told->spread.mean);
         mcv_report_number(&r, "deviation", "", told->spread.deviation);
         mcv_report_number(&r, "largest", "", told->spread.largest);

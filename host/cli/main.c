@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The program: one verb per file beside this one. */
-#include "cli/command.h"
-#include "cli/report.h"
+#include "cli/verbs.h"
+#include "cli/tell.h"
+#include "verbs/report.h"
 
 #include <errno.h>
 #include <stdio.h>

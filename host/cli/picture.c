@@ -3,21 +3,15 @@
 
 #include "cli/camera.h"
 #include "scene/sensor_find.h"
-#include "io/exr.h"
 #include "core/basics.h"
 #include "core/output_file.h"
-#include "scene/camera_model.h"
 #include "scene/sensors.h"
 
 #include <ctype.h>
 #include <errno.h>
-#include <inttypes.h>
-#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-
-enum { MAX_PARTS = MCV_MAX_REPLICATES + 3 }; /* image, error, samples */
 
 /* --- names --- */
 
@@ -40,13 +34,13 @@ static mcv_result make_path(char *out, const char *path, const char *sensor, con
                     path, PATH_MAX);
 }
 
-mcv_result mcv_picture_plan(const mcv_command *command, const mcv_scene *scene, uint32_t sensor,
-                            bool several, mcv_picture *picture, mcv_error *error) {
+mcv_result mcv_render_files_plan(const mcv_command *command, const mcv_scene *scene,
+                                 uint32_t sensor, bool several, mcv_render_files *picture,
+                                 mcv_error *error) {
     uint32_t width, height;
     char label[128];
     const bool irradiance = mcv_sensor_measures_irradiance(scene->sensors + sensor);
-    picture->quantity = irradiance ? "irradiance" : "radiance";
-    picture->unit = irradiance ? "W/m^2" : "W/(m^2 sr)";
+    picture->unit = mcv_rendered_unit(scene, sensor);
 
     mcv_sensor_film_size(scene->sensors + sensor, &width, &height);
     if (width > MCV_EXR_MAX_SIDE || height > MCV_EXR_MAX_SIDE)
@@ -113,126 +107,26 @@ static mcv_result hash_file(const char *path, uint64_t *hash, mcv_error *error) 
     return failed ? mcv_fail(error, MCV_BAD_INPUT, "%s: cannot be read completely", path) : MCV_OK;
 }
 
-/* All --set, one per line. The caller frees it. */
-static char *join_set(const mcv_command *command) {
-    size_t length = 1;
-    for (size_t i = 0; i < command->set.count; ++i) length += strlen(command->set.items[i]) + 1;
-    char *text = calloc(1, length);
-    for (size_t i = 0; text && i < command->set.count; ++i) {
-        if (i) strcat(text, "\n");
-        strcat(text, command->set.items[i]);
-    }
-    return text;
-}
-
-static mcv_attribute text_attribute(const char *name, const char *text) {
-    return (mcv_attribute){.name = name, .text = text};
-}
-
-static mcv_attribute number_attribute(const char *name, double number) {
-    return (mcv_attribute){.name = name, .numbers = {number}, .count = 1};
-}
-
-/* The means of one replicate, named "replicate 0" …; the caller frees name and image. */
-static mcv_result make_replicate(const mcv_film *film, uint32_t replicate, mcv_exr_part *part,
-                                 mcv_error *error) {
-    char name[32];
-    snprintf(name, sizeof name, MCV_PICTURE_REPLICATE, replicate);
-    part->name = strdup(name);
-    if (!part->name) return mcv_fail(error, MCV_FAILED, "no memory for the replicates");
-    MCV_TRY(mcv_image_new(&part->image, film->width, film->height, film->channels, error));
-    const size_t count = (size_t)film->width * film->height * film->channels;
-    for (size_t i = 0; i < count; ++i)
-        part->image.pixels[i] = (float)(film->sums[replicate * count + i] / (double)film->samples);
-    return MCV_OK;
-}
-
-/* The number of samples of each pixel. */
-static mcv_result make_samples(const mcv_film *film, mcv_exr_part *part, mcv_error *error) {
-    part->name = strdup("samples");
-    if (!part->name) return mcv_fail(error, MCV_FAILED, "no memory for the samples");
-    MCV_TRY(mcv_image_new(&part->image, film->width, film->height, 1, error));
-    for (uint32_t row = 0; row < film->height; ++row)
-        for (uint32_t column = 0; column < film->width; ++column)
-            part->image.pixels[(size_t)row * film->width + column] =
-                (float)mcv_film_samples_at(film, column, row);
-    return MCV_OK;
-}
-
-static mcv_result write_exr(const mcv_picture *picture, const mcv_command *command,
-                            const mcv_scene *scene, uint32_t sensor,
-                            const mcv_render_options *options, const mcv_film *film,
-                            const mcv_render_stats *stats, const mcv_exr_part *parts,
-                            uint32_t part_count, mcv_error *error) {
-    uint64_t hash = 0;
-    char hash_text[32];
-    MCV_TRY(hash_file(scene->path, &hash, error));
-    snprintf(hash_text, sizeof hash_text, "%016" PRIx64, hash);
-    char *set = join_set(command);
-    if (!set) return mcv_fail(error, MCV_FAILED, "%s: no memory for its header", picture->exr);
-    static const char *const precisions[] = {"single", "mixed", "double"};
-    const mcv_attribute general[] = {
-        text_attribute("mcvisi:version", mcv_version()),
-        text_attribute("mcvisi:quantity", picture->quantity),
-        text_attribute("mcvisi:unit", picture->unit),
-        text_attribute("mcvisi:scene", scene->path),
-        text_attribute("mcvisi:sceneFNV1a", hash_text),
-        text_attribute("mcvisi:set", set),
-        text_attribute("mcvisi:sensor", scene->sensors[sensor].name),
-        number_attribute("mcvisi:sensorIndex", sensor),
-        text_attribute("mcvisi:sampler",
-                       options->sampler == MCV_SAMPLER_RANDOM ? "random" : "sobol"),
-        text_attribute("mcvisi:sampling", film->levels ? "adaptive" : "uniform"),
-        number_attribute("mcvisi:seed", options->seed),
-        number_attribute("mcvisi:replicates", film->replicates),
-        number_attribute("mcvisi:firstSample", (double)options->first),
-        number_attribute("mcvisi:samplesPerReplicate", (double)film->samples),
-        number_attribute("mcvisi:errorFreedom", film->replicates - 1.0),
-        number_attribute("mcvisi:depth", options->depth),
-        text_attribute("mcvisi:precision", precisions[options->precision]),
-        text_attribute("mcvisi:device", stats->device),
-        text_attribute("mcvisi:driver", stats->driver),
-        text_attribute("mcvisi:features", stats->features),
-        number_attribute("mcvisi:lostEnergy", stats->lost_energy),
-        number_attribute("mcvisi:nonfinite", (double)stats->nonfinite),
-        number_attribute("mcvisi:seconds", stats->seconds_render),
-        text_attribute(MCV_CAMERA_MODEL_KEY, parts[0].image.description),
-    };
-    enum { GENERAL = sizeof general / sizeof general[0] };
-    char names[MCV_PICTURE_PARAMETERS][MCV_EXR_ATTRIBUTE_NAME];
-    mcv_attribute attributes[GENERAL + MCV_PICTURE_PARAMETERS];
-    memcpy(attributes, general, sizeof general);
-    const uint32_t count =
-        GENERAL + mcv_picture_attributes(scene->sensors + sensor, attributes + GENERAL, names);
-    const mcv_result result =
-        mcv_exr_write(picture->exr, parts, part_count, attributes, count, error);
-    free(set);
-    return result;
-}
-
-mcv_result mcv_picture_write(const mcv_picture *picture, const mcv_command *command,
-                             const mcv_scene *scene, uint32_t sensor,
-                             const mcv_render_options *options, const mcv_film *film,
-                             const mcv_render_stats *stats, mcv_preview *preview,
-                             mcv_error *error) {
-    mcv_exr_part parts[MAX_PARTS] = {{.name = "image"}, {.name = "error"}};
-    mcv_result result = mcv_film_develop(film, &parts[0].image, &parts[1].image, error);
-    if (result == MCV_OK) result = mcv_picture_describe(scene, sensor, &parts[0].image, error);
-    /* One replicate has no spread, so its error is not known. */
-    uint32_t count = film->replicates > 1 ? 2 : 1;
-    const uint32_t replicates = command->parts && film->replicates > 1 ? film->replicates : 0;
-    for (uint32_t r = 0; r < replicates && result == MCV_OK; ++r)
-        result = make_replicate(film, r, &parts[count++], error);
-    if (film->levels && result == MCV_OK) result = make_samples(film, &parts[count++], error);
+mcv_result mcv_render_files_write(const mcv_render_files *files, const mcv_command *command,
+                                  const mcv_scene *scene, uint32_t sensor,
+                                  const mcv_render_options *options, const mcv_film *film,
+                                  const mcv_render_stats *stats, mcv_preview *preview,
+                                  mcv_error *error) {
+    mcv_exr exr;
+    mcv_rendered rendered = {.scene = scene,
+                             .sensor = sensor,
+                             .options = options,
+                             .film = film,
+                             .stats = stats,
+                             .set = {command->set.items, command->set.count},
+                             .replicates = command->parts != 0};
+    MCV_TRY(hash_file(scene->path, &rendered.hash, error));
+    MCV_TRY(mcv_rendered_develop(&rendered, &exr, error));
+    mcv_result result = mcv_exr_write(files->exr, exr.parts, exr.part_count, exr.attributes,
+                                      exr.attribute_count, error);
     if (result == MCV_OK)
         result =
-            write_exr(picture, command, scene, sensor, options, film, stats, parts, count, error);
-    if (result == MCV_OK)
-        result =
-            mcv_png_write_preview(picture->png, &parts[0].image, picture->unit, preview, error);
-    for (uint32_t p = 0; p < MAX_PARTS; ++p) {
-        mcv_image_free(&parts[p].image);
-        if (p > 1) free((void *)parts[p].name);
-    }
+            mcv_png_write_preview(files->png, &exr.parts[0].image, files->unit, preview, error);
+    mcv_exr_free(&exr);
     return result;
 }

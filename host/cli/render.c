@@ -3,9 +3,10 @@
 #include "check/findings.h"
 #include "cli/camera.h"
 #include "cli/interrupt.h"
-#include "cli/command.h"
+#include "cli/verbs.h"
 #include "cli/picture.h"
-#include "cli/report.h"
+#include "cli/tell.h"
+#include "verbs/report.h"
 #include "scene/sensor_find.h"
 #include "core/basics.h"
 #include "report/progress.h"
@@ -18,70 +19,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-static const double default_error = 0.01;
-static const double default_seconds = 60;
-
-/* --- options --- */
-
-mcv_result mcv_render_options_read(const mcv_command *command, mcv_render_options *options,
-                                   mcv_error *error) {
-    *options = mcv_render_defaults();
-    options->sampler = command->sampler ? MCV_SAMPLER_RANDOM : MCV_SAMPLER_SOBOL;
-    options->no_split = command->split != 0;
-    options->replicates = (uint32_t)command->replicates;
-    options->seed = (uint32_t)command->seed;
-    options->depth = (uint32_t)command->depth;
-    options->schedule = (uint32_t)command->schedule;
-    options->threads = (uint32_t)command->threads;
-    options->device = command->device;
-    options->error = command->error;
-    options->seconds = command->time;
-    MCV_TRY(mcv_precision_read(command, &options->precision, error));
-    if (command->spp && command->samples[1])
-        return mcv_fail(error, MCV_USAGE,
-                        "--spp and --samples both set the number of samples: give one of them");
-    if (command->error > 0 && command->replicates < 2)
-        return mcv_fail(
-            error, MCV_USAGE,
-            "--error needs at least two replicates to estimate the error: give --replicates 2 or "
-            "more");
-    if (command->adaptive && command->samples[1])
-        return mcv_fail(
-            error, MCV_USAGE,
-            "--adaptive needs a whole render: leave out --samples, and limit them by --spp");
-    if (command->adaptive && mcv_wants_reference(command))
-        return mcv_fail(error, MCV_USAGE,
-                        "--adaptive: the reference renderer gives all pixels the same samples: "
-                        "leave out one of the two");
-    options->adaptive = command->adaptive;
-    options->no_light_paths = command->light_paths == 2;
-    /* Sets of a sweep, and scenes that are compared, have as many of them each. */
-    options->light_pilot =
-        command->light_paths == 0 && !command->samples[1] && command->verb == MCV_VERB_RENDER;
-    options->first = command->samples[0];
-    options->last = command->samples[1];
-    if (command->spp) {
-        const uint64_t each = (command->spp + command->replicates - 1) / command->replicates;
-        for (options->last = 1; options->last < each;) options->last *= 2;
-        if (options->last > 0x80000000u)
-            return mcv_fail(error, MCV_USAGE,
-                            "--spp %llu: must be at most 2^31 for each of the %llu replicates",
-                            (unsigned long long)command->spp,
-                            (unsigned long long)command->replicates);
-    }
-    if (options->last == 0 && options->error == 0 && options->seconds == 0) {
-        options->error = default_error;
-        options->seconds = default_seconds;
-    }
-    return MCV_OK;
-}
-
-/* --- one sensor --- */
-
 static mcv_result render_sensor(const mcv_command *command, const mcv_scene *scene,
                                 mcv_render_options options, uint32_t sensor,
-                                const mcv_picture *picture, mcv_film *film, mcv_summary *summary,
-                                mcv_error *error) {
+                                const mcv_render_files *picture, mcv_film *film,
+                                mcv_summary *summary, mcv_error *error) {
     const bool reference = mcv_wants_reference(command);
     if (reference)
         options.sampler = MCV_SAMPLER_RANDOM; /* it has no other, and the header says so */
@@ -94,8 +35,8 @@ static mcv_result render_sensor(const mcv_command *command, const mcv_scene *sce
     MCV_TRY(result);
     const double begun = mcv_seconds();
     mcv_interrupt_watch(true);
-    MCV_TRY(mcv_picture_write(picture, command, scene, sensor, &options, film, &summary->stats,
-                              &summary->preview, error));
+    MCV_TRY(mcv_render_files_write(picture, command, scene, sensor, &options, film, &summary->stats,
+                                   &summary->preview, error));
     summary->seconds_write = mcv_seconds() - begun;
     summary->width = film->width;
     summary->height = film->height;
@@ -122,9 +63,9 @@ static mcv_result render_and_print(const mcv_command *command, const mcv_scene *
                                    const mcv_render_options *options, uint32_t sensor, bool several,
                                    double seconds_load, mcv_error *error) {
     char label[128];
-    mcv_picture picture;
+    mcv_render_files picture;
     mcv_film film = {0};
-    MCV_TRY(mcv_picture_plan(command, scene, sensor, several, &picture, error));
+    MCV_TRY(mcv_render_files_plan(command, scene, sensor, several, &picture, error));
     mcv_sensor_label(scene, sensor, label, sizeof label);
     mcv_summary summary = {.scene = scene->path,
                            .sensor = label,
@@ -150,11 +91,11 @@ static mcv_result render_and_print(const mcv_command *command, const mcv_scene *
  * later. */
 static mcv_result check_pictures(const mcv_command *command, const mcv_scene *scene, uint32_t first,
                                  uint32_t count, mcv_error *error) {
-    mcv_picture picture, earlier;
+    mcv_render_files picture, earlier;
     for (uint32_t i = first; i < first + count; ++i) {
-        MCV_TRY(mcv_picture_plan(command, scene, i, count > 1, &picture, error));
+        MCV_TRY(mcv_render_files_plan(command, scene, i, count > 1, &picture, error));
         for (uint32_t j = first; j < i; ++j) {
-            MCV_TRY(mcv_picture_plan(command, scene, j, count > 1, &earlier, error));
+            MCV_TRY(mcv_render_files_plan(command, scene, j, count > 1, &earlier, error));
             if (strcmp(picture.exr, earlier.exr) == 0)
                 return mcv_fail(error, MCV_BAD_INPUT,
                                 "%s would be the image of both sensors, %s and %s: rename one, or "

@@ -1,15 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* mcvisi sweep: runs an experiment (experiment/experiment.h) from the command line or from a
  * file. */
-#include "cli/camera.h"
+#include "cli/verbs.h"
 #include "cli/interrupt.h"
-#include "cli/picture.h"
-#include "cli/places.h"
-#include "cli/report.h"
+#include "cli/tell.h"
+#include "verbs/report.h"
 #include "cli/sweep.h"
 #include "core/basics.h"
 #include "core/json.h"
-#include "reference/reference.h"
+#include "verbs/sweep.h"
 
 #include <errno.h>
 #include <libgen.h>
@@ -24,36 +23,6 @@ static mcv_result interrupted(void *user) {
 static void warn(void *user, const char *sentence) {
     (void)user;
     mcv_tell("warning", sentence);
-}
-
-static mcv_experiment experiment_of(const mcv_command *c, const char *rig) {
-    return (mcv_experiment){.rig = rig,
-                            .set = {c->set.items, c->set.count},
-                            .sensor = c->sensor,
-                            .resolution = {c->resolution[0], c->resolution[1]},
-                            .variation = {.vary = mcv_texts_of(&c->vary),
-                                          .tie = mcv_texts_of(&c->tie),
-                                          .where = mcv_texts_of(&c->where),
-                                          .design = (int)c->design,
-                                          .points = (size_t)c->points,
-                                          .seed = (uint32_t)c->design_seed},
-                            .measuring = {.metrics = mcv_texts_of(&c->metric),
-                                          .until = mcv_texts_of(&c->until),
-                                          .places = mcv_places_of(c),
-                                          .camera = mcv_camera_settings_of(c),
-                                          .channel = c->channel,
-                                          .in_gradient = c->in != 0,
-                                          .form = c->form ? MCV_EMD_MASS : MCV_EMD_NORMALIZED,
-                                          .threads = (uint32_t)c->threads},
-                            .render_with = mcv_wants_reference(c) ? mcv_reference_render : NULL,
-                            .images = c->images,
-                            .resume = c->resume,
-                            .force = c->again,
-                            .file = c->argument,
-                            .calls = {.warning = warn,
-                                      .row = mcv_sweep_tell_row,
-                                      .interrupted = interrupted,
-                                      .user = (void *)c}};
 }
 
 /* The table of --output, or ARGUMENT-sweep.csv. */
@@ -84,16 +53,16 @@ static mcv_result run(const mcv_command *c, const mcv_experiment *experiment, mc
 }
 
 static mcv_result sweep_command(const mcv_command *c, const char *rig, mcv_error *error) {
-    static const char *const without[] = {"output",  "images",   "resume", "force", "device",
-                                          "threads", "schedule", "json",   NULL};
     char table[PATH_MAX];
-    mcv_experiment experiment = experiment_of(c, rig);
-    if (c->resume && c->again)
-        return mcv_fail(error, MCV_USAGE, "--force begins the table again: leave out --resume");
-    MCV_TRY(mcv_render_options_read(c, &experiment.render, error));
+    mcv_experiment experiment;
+    MCV_TRY(mcv_sweep_experiment(c, &experiment, error));
     MCV_TRY(name_table(c, table, error));
+    experiment.rig = rig;
+    experiment.file = c->argument;
     experiment.table = table;
-    experiment.settings = mcv_command_json(c, without);
+    experiment.settings = mcv_sweep_settings(c);
+    experiment.calls = (mcv_sweep_calls){
+        .warning = warn, .row = mcv_sweep_tell_row, .interrupted = interrupted, .user = (void *)c};
     const mcv_result result = run(c, &experiment, error);
     json_decref(experiment.settings);
     return result;

@@ -3,7 +3,7 @@
 #ifndef MCVISI_HOST_CLI_SWEEP_H
 #define MCVISI_HOST_CLI_SWEEP_H
 
-#include "cli/command.h"
+#include "options/command.h"
 #include "experiment/experiment.h"
 
 /* Prints a row when it is appended: the call `row` of mcv_sweep_calls, whose user is the

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "mcvisi/mcvisi.h"
+#include "core/error.h"
 
 #include <stdarg.h>
 #include <stdio.h>

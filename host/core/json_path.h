@@ -7,7 +7,7 @@
 #ifndef MCVISI_HOST_CORE_JSON_PATH_H
 #define MCVISI_HOST_CORE_JSON_PATH_H
 
-#include "mcvisi/mcvisi.h"
+#include "core/error.h"
 
 #ifdef __cplusplus
 extern "C" {

@@ -7,7 +7,7 @@
 #ifndef MCVISI_HOST_CORE_OUTPUT_FILE_H
 #define MCVISI_HOST_CORE_OUTPUT_FILE_H
 
-#include "mcvisi/mcvisi.h"
+#include "core/error.h"
 
 typedef struct mcv_output {
     int descriptor;

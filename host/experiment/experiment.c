@@ -16,12 +16,19 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+mcv_result mcv_experiment_load(const mcv_sweep *s, mcv_overrides set, mcv_scene **scene,
+                               mcv_error *error) {
+    const mcv_experiment *e = s->experiment;
+    return e->document ? mcv_scene_load_document(e->document, set, s->assets, scene, error)
+                       : mcv_scene_load_cached(e->rig, set, s->assets, scene, error);
+}
+
 /* Checks the scene without a set's overrides: its errors would occur in every set. */
 static mcv_result check_rig(mcv_sweep *s, mcv_error *error) {
     const mcv_experiment *e = s->experiment;
     mcv_scene *scene;
     uint32_t sensor;
-    MCV_TRY(mcv_scene_load_cached(e->rig, e->set, s->assets, &scene, error));
+    MCV_TRY(mcv_experiment_load(s, e->set, &scene, error));
     snprintf(s->fingerprint, sizeof s->fingerprint, "%016" PRIx64, scene->fingerprint);
     for (uint32_t i = 0; i < scene->warning_count && e->calls.warning; ++i)
         e->calls.warning(e->calls.user, scene->warnings[i]);
@@ -55,7 +62,7 @@ static mcv_result plan_files(mcv_sweep *s, mcv_error *error) {
     const mcv_experiment *e = s->experiment;
     struct stat status;
     MCV_TRY(mcv_table_plan(&s->table, e->table, &s->plan, &s->measurement, error));
-    if (e->file && mcv_same_file(s->table.sidecar, e->file))
+    if (e->file && e->table && mcv_same_file(s->table.sidecar, e->file))
         return mcv_fail(error, MCV_USAGE, "%s is the experiment: give the table another name by -o",
                         s->table.sidecar);
     if (e->images && mkdir(e->images, 0777) != 0 &&
@@ -75,8 +82,8 @@ mcv_result mcv_experiment_plan(const mcv_experiment *e, mcv_sweep *s, mcv_error 
     MCV_TRY(mcv_measurement_read(&e->measuring, &s->measurement, error));
     MCV_TRY(mcv_plan_sets(&e->variation, &s->plan, error));
     s->done = calloc(s->plan.set_count, sizeof *s->done);
-    s->renderer = mcv_renderer_new();
-    s->assets = mcv_asset_cache_new();
+    s->renderer = e->renderer ? e->renderer : mcv_renderer_new();
+    s->assets = e->assets ? e->assets : mcv_asset_cache_new();
     if (!s->done || !s->renderer || !s->assets)
         return mcv_fail(error, MCV_FAILED, "no memory for %zu sets", s->plan.set_count);
     MCV_TRY(plan_files(s, error));
@@ -91,6 +98,7 @@ mcv_result mcv_experiment_open_table(mcv_sweep *s, mcv_error *error) {
                                  .fingerprint = s->fingerprint,
                                  .settings = s->experiment->settings};
     struct stat status;
+    if (!s->experiment->table) return MCV_OK;
     const bool exists = stat(s->table.path, &status) == 0;
     if (exists && !s->experiment->resume && !s->experiment->force)
         return mcv_fail(error, MCV_BAD_INPUT,
@@ -122,7 +130,7 @@ static mcv_result run_sets(mcv_sweep *s, mcv_error *error) {
 mcv_result mcv_experiment_run(mcv_sweep *s, mcv_error *error) {
     mcv_error later = {""};
     const mcv_result result = run_sets(s, error);
-    if (s->table.row_count == 0) return result;
+    if (s->table.row_count == 0 || !s->experiment->table) return result;
     const mcv_result paged =
         mcv_experiment_page(s->experiment->rig, &s->table, result == MCV_OK ? error : &later);
     return result == MCV_OK ? paged : result;
@@ -131,8 +139,8 @@ mcv_result mcv_experiment_run(mcv_sweep *s, mcv_error *error) {
 void mcv_experiment_free(mcv_sweep *s) {
     mcv_table_free(&s->table);
     mcv_plan_free(&s->plan);
-    mcv_renderer_free(s->renderer);
-    mcv_asset_cache_free(s->assets);
+    if (!s->experiment->renderer) mcv_renderer_free(s->renderer);
+    if (!s->experiment->assets) mcv_asset_cache_free(s->assets);
     free(s->done);
     *s = (mcv_sweep){.table = {.descriptor = -1}};
 }

@@ -44,15 +44,17 @@ typedef mcv_result mcv_render_with(const mcv_scene *scene, uint32_t sensor,
 
 /* All pointers are borrowed and must outlive the sweep. */
 typedef struct mcv_experiment {
-    const char *rig;        /* the path of the scene */
-    mcv_overrides set;      /* overrides of all sets; those of each set follow */
-    const char *sensor;     /* by name or number; NULL: the only one */
-    uint64_t resolution[2]; /* other pixels on the same field of view; 0: unchanged */
+    const char *rig;              /* the path of the scene */
+    const mcv_document *document; /* the scene itself, in which the path is for messages only; NULL:
+                                     it is read from there */
+    mcv_overrides set;            /* overrides of all sets; those of each set follow */
+    const char *sensor;           /* by name or number; NULL: the only one */
+    uint64_t resolution[2];       /* other pixels on the same field of view; 0: unchanged */
     mcv_variation variation;
     mcv_measuring measuring;
     mcv_render_options render;    /* the sweep sets progress, enough and user */
     mcv_render_with *render_with; /* NULL: OpenCL, with a renderer for all sets */
-    const char *table;            /* F.csv; F.json and F.html stand beside it */
+    const char *table;            /* F.csv; F.json and F.html stand beside it; NULL: no files */
     const char *images;           /* the folder that keeps each set's image, or NULL */
     bool resume;                  /* continue an existing table */
     bool force;                   /* begin it again */
@@ -60,6 +62,8 @@ typedef struct mcv_experiment {
     json_t *settings; /* further contents of F.json, which must be equal to resume: an object, or
                          NULL */
     mcv_sweep_calls calls;
+    mcv_renderer *renderer;  /* what is used and kept for others; NULL: the sweep's own */
+    mcv_asset_cache *assets; /* likewise */
 } mcv_experiment;
 
 /* It points into itself: it must not be copied. */
@@ -75,6 +79,10 @@ struct mcv_sweep {
     mcv_renderer *renderer;
     mcv_asset_cache *assets;
 };
+
+/* The scene with changes; used by the files beside this one. */
+mcv_result mcv_experiment_load(const mcv_sweep *sweep, mcv_overrides set, mcv_scene **scene,
+                               mcv_error *error);
 
 /*
  * Reads the whole experiment and the scene, and reports errors that would occur in every set. Makes

@@ -27,8 +27,7 @@ mcv_result mcv_load_set(const mcv_sweep *s, const double *numbers, mcv_set_texts
         items[given.count + i] = texts[i];
     }
     const mcv_result result =
-        mcv_scene_load_cached(s->experiment->rig, (mcv_overrides){items, given.count + plan->count},
-                              s->assets, scene, error);
+        mcv_experiment_load(s, (mcv_overrides){items, given.count + plan->count}, scene, error);
     free(items);
     return result;
 }
@@ -136,6 +135,8 @@ mcv_result mcv_run_set(mcv_sweep *s, size_t set, double *row, mcv_error *error) 
     for (size_t i = s->plan.count; i < table->columns; ++i) row[i] = NAN;
     row[mcv_row_fixed(table, MCV_ROW_SET)] = (double)set;
     const mcv_result result = try_set(s, set, row, &why), stopped = interrupted(s);
+    if (stopped != MCV_OK && !s->experiment->table)
+        return mcv_fail(error, stopped, "interrupted after %zu sets", table->row_count);
     if (stopped != MCV_OK)
         return mcv_fail(error, stopped, "interrupted: continue by --resume; %zu rows are in %s",
                         table->row_count, table->path);

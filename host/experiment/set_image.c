@@ -21,9 +21,9 @@ mcv_result mcv_set_image_develop(const mcv_scene *scene, uint32_t sensor, const 
     image->exr = (mcv_exr){
         .parts = parts, .part_count = film->replicates > 1 ? 2 : 1, .attributes = attributes};
     image->exr.attribute_count =
-        2 + mcv_picture_attributes(scene->sensors + sensor, attributes + 2, image->names);
+        2 + mcv_header_attributes(scene->sensors + sensor, attributes + 2, image->names);
     MCV_TRY(mcv_film_develop(film, &parts[0].image, &parts[1].image, error));
-    MCV_TRY(mcv_picture_describe(scene, sensor, &parts[0].image, error));
+    MCV_TRY(mcv_header_describe(scene, sensor, &parts[0].image, error));
     attributes[image->exr.attribute_count++] =
         (mcv_attribute){.name = MCV_CAMERA_MODEL_KEY, .text = parts[0].image.description};
     return MCV_OK;

@@ -4,7 +4,7 @@
 #ifndef MCVISI_HOST_EXPERIMENT_SIDECAR_H
 #define MCVISI_HOST_EXPERIMENT_SIDECAR_H
 
-#include "mcvisi/mcvisi.h"
+#include "core/error.h"
 
 #include <jansson.h>
 

@@ -19,6 +19,7 @@ mcv_result mcv_table_plan(mcv_table *table, const char *path, const mcv_plan *pl
     table->messages = calloc(plan->set_count, sizeof *table->messages);
     if (!table->rows || !table->messages)
         return mcv_fail(error, MCV_FAILED, "no memory for a table of %zu rows", plan->set_count);
+    if (!path) return MCV_OK;
     const char *dot = strrchr(path, '.');
     if (strlen(path) + 16 >= PATH_MAX)
         return mcv_fail(error, MCV_USAGE, "the path of the table is too long");
@@ -119,7 +120,7 @@ static void keep(mcv_table *table, const double *row, const char *message) {
 
 mcv_result mcv_table_append(mcv_table *table, const double *row, const char *message,
                             mcv_error *error) {
-    MCV_TRY(append_line(table, row, message, error));
+    if (table->path[0]) MCV_TRY(append_line(table, row, message, error));
     keep(table, row, message);
     return MCV_OK;
 }

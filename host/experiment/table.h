@@ -31,9 +31,9 @@ typedef struct mcv_table {
 } mcv_table;
 
 /*
- * Derives the names of the files from `path`, which must end in .csv, and allocates a row for each
- * set of the plan. Plan and measurement must outlive the table. It must be freed by mcv_table_free
- * even after a failure.
+ * Names the files by `path`, which must end in .csv (NULL: there are none), and makes room for a
+ * row of each set of the plan. Plan and measurement must outlive the table. After failure, too, it
+ * is freed by mcv_table_free.
  */
 mcv_result mcv_table_plan(mcv_table *table, const char *path, const mcv_plan *plan,
                           const mcv_measurement *measurement, mcv_error *error);

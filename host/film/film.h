@@ -12,7 +12,7 @@
 #ifndef MCVISI_HOST_FILM_FILM_H
 #define MCVISI_HOST_FILM_FILM_H
 
-#include "mcvisi/mcvisi.h"
+#include "core/error.h"
 
 typedef struct mcv_film {
     uint32_t width, height, channels, replicates;

@@ -7,8 +7,8 @@
 
 #include <stdio.h>
 
-mcv_result mcv_picture_describe(const mcv_scene *scene, uint32_t sensor, mcv_image *image,
-                                mcv_error *error) {
+mcv_result mcv_header_describe(const mcv_scene *scene, uint32_t sensor, mcv_image *image,
+                               mcv_error *error) {
     mcv_camera_model model;
     MCV_TRY(mcv_camera_model_of(scene, scene->sensors + sensor, &model, error));
     image->description = mcv_camera_model_write(&model);
@@ -18,9 +18,9 @@ mcv_result mcv_picture_describe(const mcv_scene *scene, uint32_t sensor, mcv_ima
                : mcv_fail(error, MCV_FAILED, "%s: no memory for the camera model", scene->path);
 }
 
-uint32_t mcv_picture_attributes(const mcv_sensor *sensor,
-                                mcv_attribute attributes[MCV_PICTURE_PARAMETERS],
-                                char names[MCV_PICTURE_PARAMETERS][MCV_EXR_ATTRIBUTE_NAME]) {
+uint32_t mcv_header_attributes(const mcv_sensor *sensor,
+                               mcv_attribute attributes[MCV_PICTURE_PARAMETERS],
+                               char names[MCV_PICTURE_PARAMETERS][MCV_EXR_ATTRIBUTE_NAME]) {
     const mcv_param_table table = mcv_sensor_table(sensor->type);
     uint32_t count = 0;
     for (size_t i = 0; i < table.count && count < MCV_PICTURE_PARAMETERS; ++i) {

@@ -8,8 +8,8 @@
 
 /* Gives an image of a sensor its description: where the scene's points lie in it
  * (scene/camera_model.h). */
-mcv_result mcv_picture_describe(const mcv_scene *scene, uint32_t sensor, mcv_image *image,
-                                mcv_error *error);
+mcv_result mcv_header_describe(const mcv_scene *scene, uint32_t sensor, mcv_image *image,
+                               mcv_error *error);
 
 enum { MCV_PICTURE_PARAMETERS = 16 };
 
@@ -17,8 +17,8 @@ enum { MCV_PICTURE_PARAMETERS = 16 };
  * The sensor's numbers as mcvisi:focalLength, mcvisi:angularResolution …, from its parameter table.
  * Returns how many; names holds the attributes' names.
  */
-uint32_t mcv_picture_attributes(const mcv_sensor *sensor,
-                                mcv_attribute attributes[MCV_PICTURE_PARAMETERS],
-                                char names[MCV_PICTURE_PARAMETERS][MCV_EXR_ATTRIBUTE_NAME]);
+uint32_t mcv_header_attributes(const mcv_sensor *sensor,
+                               mcv_attribute attributes[MCV_PICTURE_PARAMETERS],
+                               char names[MCV_PICTURE_PARAMETERS][MCV_EXR_ATTRIBUTE_NAME]);
 
 #endif

@@ -142,9 +142,8 @@ static uint32_t colour(const plot *p, const double range[2], double value) {
 }
 
 /* Rows whose parameters but x are equal are one curve; they follow each other in x. */
-static const plot *sorted_by;
-static int in_order(const void *left, const void *right) {
-    const plot *p = sorted_by;
+static int in_order(const void *left, const void *right, void *user) {
+    const plot *p = user;
     const double *a = row_of(p->page, *(const size_t *)left),
                  *b = row_of(p->page, *(const size_t *)right);
     for (size_t i = 0; i < p->page->parameter_count; ++i)
@@ -187,8 +186,7 @@ static void put_plot(FILE *out, const plot *p, size_t *order) {
     const axis x =
         make_axis(x_range[0], x_range[1], page->parameters[p->x].logarithmic, LEFT, WIDTH - RIGHT);
     const axis y = make_axis(y_range[0], y_range[1], false, HEIGHT - BOTTOM, TOP);
-    sorted_by = p;
-    qsort(order, page->row_count, sizeof *order, in_order);
+    qsort_r(order, page->row_count, sizeof *order, in_order, (void *)p);
     fprintf(out, "<figure><svg viewBox=\"0 0 %d %d\" width=\"%d\" height=\"%d\" role=\"img\">\n",
             WIDTH, HEIGHT, WIDTH, HEIGHT);
     put_axes(out, &x, &y, page->parameters[p->x].name, page->metrics[p->metric]);

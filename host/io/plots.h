@@ -4,7 +4,7 @@
 #ifndef MCVISI_HOST_IO_PLOTS_H
 #define MCVISI_HOST_IO_PLOTS_H
 
-#include "mcvisi/mcvisi.h"
+#include "core/error.h"
 
 typedef struct mcv_plots_axis {
     const char *name; /* for people */

@@ -13,6 +13,7 @@
 typedef struct memory {
     uint8_t *bytes;
     size_t size, capacity, at;
+    char message[256]; /* what libtiff says goes into the sentence that we return */
 } memory;
 
 static tmsize_t on_read(thandle_t handle, void *to, tmsize_t count) {
@@ -54,21 +55,35 @@ static int on_close(thandle_t handle) {
 
 static toff_t on_size(thandle_t handle) { return ((memory *)handle)->size; }
 
-/* What libtiff says goes into the sentence that we return. */
-static char last_message[256];
-
-__attribute__((format(printf, 2, 0))) static void on_message(const char *module, const char *format,
-                                                             va_list arguments) {
+__attribute__((format(printf, 4, 0))) static int
+on_message(TIFF *tiff, void *user, const char *module, const char *format, va_list arguments) {
+    memory *m = user;
+    (void)tiff;
     (void)module;
-    vsnprintf(last_message, sizeof last_message, format, arguments);
+    vsnprintf(m->message, sizeof m->message, format, arguments);
+    return 1; /* the handlers of the process are not called */
 }
 
+static int on_warning(TIFF *tiff, void *user, const char *module, const char *format,
+                      va_list arguments) {
+    (void)tiff;
+    (void)user;
+    (void)module;
+    (void)format;
+    (void)arguments;
+    return 1;
+}
+
+/* Handlers are those of the file alone: the process may have its own. */
 static TIFF *open_memory(memory *m, const char *mode) {
-    last_message[0] = '\0';
-    TIFFSetErrorHandler(on_message);
-    TIFFSetWarningHandler(NULL);
-    return TIFFClientOpen("memory", mode, (thandle_t)m, on_read, on_write, on_seek, on_close,
-                          on_size, NULL, NULL);
+    TIFFOpenOptions *options = TIFFOpenOptionsAlloc();
+    if (!options) return NULL;
+    TIFFOpenOptionsSetErrorHandlerExtR(options, on_message, m);
+    TIFFOpenOptionsSetWarningHandlerExtR(options, on_warning, NULL);
+    TIFF *tiff = TIFFClientOpenExt("memory", mode, (thandle_t)m, on_read, on_write, on_seek,
+                                   on_close, on_size, NULL, NULL, options);
+    TIFFOpenOptionsFree(options);
+    return tiff;
 }
 
 static bool encode(TIFF *tiff, const mcv_image *image, int bits, const uint8_t *values) {
@@ -100,12 +115,13 @@ mcv_result mcv_tiff_write_values(const char *path, const mcv_image *image, int b
     free(values);
     const mcv_result result = encoded ? mcv_output_whole(path, m.bytes, m.size, error)
                                       : mcv_fail(error, MCV_FAILED, "%s: libtiff: %s", path,
-                                                 last_message[0] ? last_message : "no memory");
+                                                 m.message[0] ? m.message : "no memory");
     free(m.bytes);
     return result;
 }
 
-static mcv_result decode(TIFF *tiff, const char *path, mcv_image *image, mcv_error *error) {
+static mcv_result decode(TIFF *tiff, const memory *m, const char *path, mcv_image *image,
+                         mcv_error *error) {
     uint32_t width = 0, height = 0;
     uint16_t bits = 1, samples = 1, kind = SAMPLEFORMAT_UINT, planar = PLANARCONFIG_CONTIG,
              photometric = PHOTOMETRIC_MINISBLACK;
@@ -133,8 +149,7 @@ static mcv_result decode(TIFF *tiff, const char *path, mcv_image *image, mcv_err
                                           path, width, height);
     for (uint32_t y = 0; result == MCV_OK && y < height; ++y)
         if (TIFFReadScanline(tiff, values + y * row, y, 0) != 1)
-            result =
-                mcv_fail(error, MCV_BAD_INPUT, "%s: damaged TIFF file: %s", path, last_message);
+            result = mcv_fail(error, MCV_BAD_INPUT, "%s: damaged TIFF file: %s", path, m->message);
     if (result == MCV_OK)
         result = mcv_values_unpack(values, bits, width, height, samples, channels, image, error);
     const char *description = NULL;
@@ -149,9 +164,9 @@ mcv_result mcv_tiff_read_values(const char *path, mcv_image *image, mcv_error *e
     mcv_result result = mcv_file_load(path, &m.bytes, &m.size, error);
     TIFF *tiff = result == MCV_OK ? open_memory(&m, "rm") : NULL; /* m: not by mmap */
     if (result == MCV_OK && !tiff)
-        result = mcv_fail(error, MCV_BAD_INPUT, "%s: not a TIFF file: %s", path, last_message);
+        result = mcv_fail(error, MCV_BAD_INPUT, "%s: not a TIFF file: %s", path, m.message);
     if (tiff) {
-        result = decode(tiff, path, image, error);
+        result = decode(tiff, &m, path, image, error);
         TIFFClose(tiff);
     }
     free(m.bytes);

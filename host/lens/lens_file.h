@@ -12,7 +12,7 @@
 #include <jansson.h>
 #include <stdbool.h>
 
-#include "mcvisi/mcvisi.h"
+#include "core/error.h"
 
 typedef enum mcv_lens_shape {
     MCV_LENS_SHAPE_AUTO,

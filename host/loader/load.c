@@ -8,6 +8,7 @@
 #include "scene/spectra.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 static mcv_result warn_unused(mcv_loader *loader, mcv_error *error) {
     for (size_t i = 0; i < loader->sensor_count; ++i)
@@ -108,30 +109,118 @@ mcv_result mcv_scene_load(const char *path, mcv_overrides overrides, mcv_scene *
     return mcv_scene_load_cached(path, overrides, NULL, scene, error);
 }
 
-mcv_result mcv_scene_load_cached(const char *path, mcv_overrides overrides, mcv_asset_cache *cache,
-                                 mcv_scene **scene, mcv_error *error) {
-    mcv_loader loader = {.file = mcv_place_file(path),
-                         .solid = MCV_NONE,
-                         .asset_material = MCV_NONE,
-                         .plain = MCV_NONE,
-                         .absorber = MCV_NONE,
-                         .cache = cache};
-    if (cache) mcv_asset_cache_drop_changed(cache);
-    *scene = loader.scene = mcv_scene_new(path);
-    if (!loader.scene) return mcv_fail_memory(&loader.file, error);
+static mcv_loader new_loader(const char *path, mcv_asset_cache *cache) {
+    return (mcv_loader){.file = mcv_place_file(path),
+                        .solid = MCV_NONE,
+                        .asset_material = MCV_NONE,
+                        .plain = MCV_NONE,
+                        .absorber = MCV_NONE,
+                        .cache = cache};
+}
+
+/* All that follows once the bytes or the tree of the document are there. */
+static mcv_result load(mcv_loader *loader, mcv_overrides overrides, mcv_error *error) {
     const mcv_transform world = mcv_transform_identity();
-    mcv_result result = mcv_load_file(&loader, path, &loader.bytes, &loader.file, error);
-    if (result == MCV_OK) result = check_format(path, &loader.file, error);
-    if (result == MCV_OK) result = mcv_load_open(&loader, overrides, error);
-    if (result == MCV_OK) result = load_spectrum(&loader, error);
-    if (result == MCV_OK) result = mcv_load_nodes(&loader, &world, error);
-    if (result == MCV_OK) mcv_scene_settle_spectra(*scene);
-    if (result == MCV_OK) result = warn_unused(&loader, error);
-    if (result == MCV_OK) result = warn_of_needles(*scene, error);
-    (*scene)->fingerprint = loader.fingerprint;
-    mcv_load_finish(&loader);
+    MCV_TRY(mcv_load_open(loader, overrides, error));
+    MCV_TRY(load_spectrum(loader, error));
+    MCV_TRY(mcv_load_nodes(loader, &world, error));
+    mcv_scene_settle_spectra(loader->scene);
+    MCV_TRY(warn_unused(loader, error));
+    return warn_of_needles(loader->scene, error);
+}
+
+static mcv_result finish(mcv_loader *loader, mcv_result result, mcv_scene **scene) {
+    loader->scene->fingerprint = loader->fingerprint;
+    mcv_load_finish(loader);
+    *scene = loader->scene;
     if (result == MCV_OK) return MCV_OK;
     mcv_scene_free(*scene);
     *scene = NULL;
     return result;
+}
+
+mcv_result mcv_scene_load_cached(const char *path, mcv_overrides overrides, mcv_asset_cache *cache,
+                                 mcv_scene **scene, mcv_error *error) {
+    mcv_loader loader = new_loader(path, cache);
+    if (cache) mcv_asset_cache_drop_changed(cache);
+    *scene = loader.scene = mcv_scene_new(path);
+    if (!loader.scene) return mcv_fail_memory(&loader.file, error);
+    mcv_result result = mcv_load_file(&loader, path, &loader.bytes, &loader.file, error);
+    if (result == MCV_OK) result = check_format(path, &loader.file, error);
+    if (result == MCV_OK) result = load(&loader, overrides, error);
+    return finish(&loader, result, scene);
+}
+
+/* --- documents --- */
+
+mcv_result mcv_scene_load_document(const mcv_document *document, mcv_overrides overrides,
+                                   mcv_asset_cache *cache, mcv_scene **scene, mcv_error *error) {
+    mcv_loader loader = new_loader(document->path, cache);
+    if (cache) mcv_asset_cache_drop_changed(cache);
+    *scene = loader.scene = mcv_scene_new(document->path);
+    if (!loader.scene) return mcv_fail_memory(&loader.file, error);
+    loader.root = json_deep_copy(document->root);
+    loader.binary = document->binary;
+    mcv_load_count(&loader, &document->fingerprint, sizeof document->fingerprint);
+    const mcv_result result =
+        loader.root ? load(&loader, overrides, error) : mcv_fail_memory(&loader.file, error);
+    return finish(&loader, result, scene);
+}
+
+/* From the bytes of a file, which change owners. */
+static mcv_result open_document(mcv_loader *loader, mcv_document *document, mcv_error *error) {
+    mcv_result result = mcv_load_json(loader, error);
+    *document = (mcv_document){.path = result == MCV_OK ? strdup(loader->file.key) : NULL,
+                               .root = loader->root,
+                               .file = loader->bytes,
+                               .binary = loader->binary,
+                               .fingerprint = loader->fingerprint};
+    if (result == MCV_OK && !document->path) result = mcv_fail_memory(&loader->file, error);
+    if (result != MCV_OK) mcv_document_free(document);
+    return result;
+}
+
+mcv_result mcv_document_read(const char *path, mcv_document *document, mcv_error *error) {
+    mcv_loader loader = new_loader(path, NULL);
+    *document = (mcv_document){0};
+    MCV_TRY(mcv_load_file(&loader, path, &loader.bytes, &loader.file, error));
+    const mcv_result result = check_format(path, &loader.file, error);
+    if (result == MCV_OK) return open_document(&loader, document, error);
+    free(loader.bytes.data);
+    return result;
+}
+
+mcv_result mcv_document_parse(const char *path, const char *json, size_t size,
+                              mcv_document *document, mcv_error *error) {
+    mcv_loader loader = new_loader(path, NULL);
+    *document = (mcv_document){0};
+    loader.bytes = (mcv_bytes){malloc(size ? size : 1), size};
+    if (!loader.bytes.data) return mcv_fail_memory(&loader.file, error);
+    memcpy(loader.bytes.data, json, size);
+    mcv_load_count(&loader, json, size);
+    return open_document(&loader, document, error);
+}
+
+mcv_result mcv_document_copy(const mcv_document *document, mcv_document *copy, mcv_error *error) {
+    const mcv_json_path place = mcv_place_file(document->path);
+    *copy = (mcv_document){.path = strdup(document->path),
+                           .root = json_deep_copy(document->root),
+                           .fingerprint = document->fingerprint};
+    bool whole = copy->path && copy->root;
+    if (whole && document->binary.data) {
+        copy->file = copy->binary =
+            (mcv_bytes){malloc(document->binary.size + 1), document->binary.size};
+        whole = copy->file.data;
+        if (whole) memcpy(copy->file.data, document->binary.data, document->binary.size);
+    }
+    if (whole) return MCV_OK;
+    mcv_document_free(copy);
+    return mcv_fail_memory(&place, error);
+}
+
+void mcv_document_free(mcv_document *document) {
+    json_decref(document->root);
+    free(document->file.data);
+    free(document->path);
+    *document = (mcv_document){0};
 }

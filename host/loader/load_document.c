@@ -157,8 +157,7 @@ static void replace_nul(mcv_bytes *json) {
     }
 }
 
-/* Parses the document, applies overrides and validates it. */
-static mcv_result parse(mcv_loader *loader, mcv_overrides overrides, mcv_error *error) {
+mcv_result mcv_load_json(mcv_loader *loader, mcv_error *error) {
     mcv_bytes json;
     json_error_t wrong;
     MCV_TRY(mcv_glb_split(loader->bytes, &json, &loader->binary, &loader->file, error));
@@ -171,6 +170,12 @@ static mcv_result parse(mcv_loader *loader, mcv_overrides overrides, mcv_error *
         free(loader->bytes.data);
         loader->bytes = (mcv_bytes){NULL, 0};
     }
+    return MCV_OK;
+}
+
+/* Parses the document, applies overrides and validates it. */
+static mcv_result parse(mcv_loader *loader, mcv_overrides overrides, mcv_error *error) {
+    if (!loader->root) MCV_TRY(mcv_load_json(loader, error));
     MCV_TRY(mcv_overrides_apply(overrides, loader->root, &loader->file, error));
     MCV_TRY(mcv_gltf_validate(loader->root, loader->binary, &loader->file, error));
     return mcv_check_extensions(loader->root, &loader->file, error);

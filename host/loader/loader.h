@@ -210,8 +210,11 @@ mcv_result mcv_load_file(mcv_loader *loader, const char *path, mcv_bytes *bytes,
                          const mcv_json_path *place, mcv_error *error);
 void mcv_load_count(mcv_loader *loader, const void *data, size_t size);
 
-/* load_document.c: parses loader->bytes (or continues with a root and buffers from the cache) up to
- * the materials; frees what a loader holds. */
+/* load_document.c: the tree of loader->bytes, and its binary chunk. */
+mcv_result mcv_load_json(mcv_loader *loader, mcv_error *error);
+
+/* load_document.c: parses loader->bytes (or continues with a root, or with a root and buffers from
+ * the cache) up to the materials; frees what a loader holds. */
 mcv_result mcv_load_open(mcv_loader *loader, mcv_overrides overrides, mcv_error *error);
 void mcv_load_finish(mcv_loader *loader);
 

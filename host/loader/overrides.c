@@ -7,6 +7,7 @@
 #include <stdarg.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* Members of core glTF objects that --set may add, with the value they have while absent (JSON, or
  * NULL). */
@@ -49,7 +50,8 @@ enum { MEMBER_COUNT = sizeof members / sizeof members[0] };
 typedef struct setting {
     const char *item; /* PATH=VALUE, for messages */
     char *path;       /* the copy that is cut into segments */
-    json_t *value;
+    json_t *value;    /* NULL: the path is followed to what there is */
+    json_t *found;    /* that, borrowed from the tree */
     const char *collection;
     bool own; /* inside an MCVISI_ object: its parser checks keys and units */
     const mcv_json_path *file;
@@ -63,7 +65,8 @@ __attribute__((format(printf, 2, 3))) static mcv_result fail(const setting *set,
     va_start(arguments, format);
     vsnprintf(text, sizeof text, format, arguments);
     va_end(arguments);
-    return mcv_fail_at(set->file, set->error, "--set %s: %s", set->item, text);
+    return mcv_fail_at(set->file, set->error, "%s%s: %s", set->value ? "--set " : "", set->item,
+                       text);
 }
 
 /* The object at extensions/NAME and the like below `object`, made where it is missing. */
@@ -139,8 +142,16 @@ static mcv_result fail_unknown(const setting *set, const json_t *object, const c
     return fail(set, "there is no \"%s\"; there are %s", segment, *list ? list : "no members");
 }
 
+/* The end of a path that is only followed. */
+static mcv_result take(setting *set, json_t *found) {
+    if (!found || json_is_null(found))
+        return fail(set, "is not written in the document: its default counts");
+    set->found = found;
+    return MCV_OK;
+}
+
 /* Follows the rest of the path from an object or array inside of an element, and sets its end. */
-static mcv_result set_below(const setting *set, json_t *parent, char *rest) {
+static mcv_result set_below(setting *set, json_t *parent, char *rest) {
     for (;;) {
         const char *segment = cut(&rest);
         json_t *child = NULL;
@@ -152,13 +163,16 @@ static mcv_result set_below(const setting *set, json_t *parent, char *rest) {
                             "an index from 0",
                             segment, json_array_size(parent));
             child = json_array_get(parent, index);
+            if (!*rest && !set->value) return take(set, child);
             if (!*rest) {
                 json_array_set_new(parent, index, new_value(set, child));
                 return MCV_OK;
             }
         } else if (json_is_object(parent)) {
             child = json_object_get(parent, segment);
-            if (!child && !(set->own && !*rest)) return fail_unknown(set, parent, segment);
+            if (!child && !(set->own && !*rest && set->value))
+                return fail_unknown(set, parent, segment);
+            if (!*rest && !set->value) return take(set, child);
             if (!*rest) {
                 json_object_set_new(parent, segment, new_value(set, child));
                 return MCV_OK;
@@ -176,6 +190,7 @@ static mcv_result set_member(setting *set, json_t *element, char *rest) {
     const size_t length = strcspn(rest, "/");
     char key[64];
     snprintf(key, sizeof key, "%.*s", (int)length, rest);
+    if (!*rest && !set->value) return take(set, element);
     if (!*rest) return fail(set, "name a member of it, as in sensors/cam/focalLength");
     if (!json_is_object(element)) return fail(set, "the element must be an object");
     if (json_is_object(own) && strcmp(set->collection, "materials") == 0 &&
@@ -202,7 +217,7 @@ static mcv_result set_member(setting *set, json_t *element, char *rest) {
                                                   : json_null());
         return set_below(set, parent, member);
     }
-    for (size_t i = 0; i < 2 && strcmp(set->collection, "assets") == 0;
+    for (size_t i = 0; i < 2 && set->value && strcmp(set->collection, "assets") == 0;
          ++i) { /* names may hold slashes: the rest is one of them */
         static const char *const maps[] = {"materials", "nodeMaterials"};
         const size_t n = strlen(maps[i]);
@@ -274,6 +289,7 @@ static mcv_result follow(setting *set, json_t *root) {
     if (strcmp(set->collection, "spectrum") == 0) { /* no array: one object, which --set may add */
         json_t *spectrum = make_path(root, "extensions/MCVISI_spectrum");
         set->own = true;
+        if (!set->value && !*rest) return take(set, spectrum);
         return spectrum && *rest ? set_below(set, spectrum, rest)
                                  : fail(set, "name a member of it, as in spectrum/wavelengths");
     }
@@ -295,6 +311,7 @@ static mcv_result follow(setting *set, json_t *root) {
         return fail(set, "the file has no %s", set->collection);
     }
     json_t *element = NULL;
+    if (!set->value && !*rest) return take(set, array);
     MCV_TRY(find_element(set, array, &rest, &element));
     return set_member(set, element, rest);
 }
@@ -320,4 +337,29 @@ mcv_result mcv_overrides_apply(mcv_overrides overrides, json_t *root, const mcv_
         MCV_TRY(result);
     }
     return MCV_OK;
+}
+
+mcv_result mcv_overrides_find(const char *path, json_t *root, const mcv_json_path *file,
+                              const json_t **found, mcv_error *error) {
+    setting set = {.item = path, .path = strdup(path), .file = file, .error = error};
+    const mcv_result result = set.path ? follow(&set, root) : mcv_fail_memory(file, error);
+    free(set.path);
+    *found = set.found;
+    return result;
+}
+
+const char *mcv_overrides_shorten(const char *collection, const char *path) {
+    static const char own[] = "extensions/MCVISI_materials/";
+    if (strcmp(collection, "materials") == 0 && strncmp(path, own, strlen(own)) == 0)
+        return path + strlen(own);
+    for (size_t i = 0; i < MEMBER_COUNT; ++i) {
+        const size_t parent = strlen(members[i].parent), key = strlen(members[i].key);
+        if (parent == 0 || strcmp(members[i].collection, collection) != 0 ||
+            strncmp(path, members[i].parent, parent) != 0 || path[parent] != '/' ||
+            strncmp(path + parent + 1, members[i].key, key) != 0)
+            continue;
+        const char end = path[parent + 1 + key];
+        if (end == '\0' || end == '/') return path + parent + 1;
+    }
+    return path;
 }

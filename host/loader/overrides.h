@@ -18,4 +18,18 @@
 mcv_result mcv_overrides_apply(mcv_overrides overrides, json_t *root, const mcv_json_path *file,
                                mcv_error *error);
 
+/*
+ * What stands at such a path, or at the begin of one: borrowed from the tree. The search may add
+ * empty objects and defaults to it. MCV_BAD_INPUT where there is nothing.
+ */
+mcv_result mcv_overrides_find(const char *path, json_t *root, const mcv_json_path *file,
+                              const json_t **found, mcv_error *error);
+
+/* The short form of a path below an element: "distance" for "extensions/MCVISI_pose/distance". */
+const char *mcv_overrides_shorten(const char *collection, const char *path);
+
+/* override_paths.c: all paths of values that the document has, in its order; NULL without memory.
+ */
+json_t *mcv_overrides_paths(const json_t *root);
+
 #endif

@@ -25,7 +25,7 @@ enum { MCV_PRECISION_SINGLE, MCV_PRECISION_MIXED, MCV_PRECISION_DOUBLE };
  * also called before the kernels are compiled, which may take longer than the render: fraction is
  * then NaN, and false takes effect at the next pass.
  */
-typedef bool mcv_progress(void *user, double fraction, double seconds, double error);
+typedef bool mcv_pass_told(void *user, double fraction, double seconds, double error);
 
 typedef bool mcv_enough(void *user, const mcv_film *film);
 
@@ -47,7 +47,7 @@ typedef struct mcv_render_options {
     bool adaptive;        /* more samples for noisier pixels, if it pays */
     uint32_t slice;       /* paths per slice of the tile schedule, a multiple of 64; 0: default */
     const char *device;   /* NULL: the first; see mcv_cl_open */
-    mcv_progress *progress;
+    mcv_pass_told *progress;
     mcv_enough *enough; /* called after each round from the fourth sample of each replicate on: true
                            ends the render; may be NULL */
     void *user;

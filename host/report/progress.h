@@ -27,9 +27,9 @@ typedef struct mcv_progress_line {
 /* A line on stderr; it counts as a terminal if its cursor can return to the start of the line. */
 mcv_progress_line mcv_progress_stderr(const char *label, const volatile sig_atomic_t *stop);
 
-/* An mcv_progress whose user is the mcv_progress_line. error: relative error so far; NaN or 0 if it
- * is not known. */
-mcv_progress mcv_progress_report;
+/* An mcv_pass_told whose user is the mcv_progress_line. error: relative, so far; NaN or 0: not
+ * known. */
+mcv_pass_told mcv_progress_report;
 
 /* Clears the line on the terminal. */
 void mcv_progress_end(mcv_progress_line *line);

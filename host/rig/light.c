@@ -5,25 +5,25 @@
 #include <math.h>
 
 /* The diameter of the lens; of a light field camera the diagonal. */
-static double lens_diameter(const mcv_rig *r) {
+static double lens_diameter(const mcv_rig_design *r) {
     const double side = r->focal_length * (1 + r->magnification) / r->f_number; /* b/N */
     return r->directions > 1 ? M_SQRT2 * side : side;
 }
 
 /* The diameter of the view at a distance: the field there plus the bundle of rays of each of its
  * points. */
-static double widen(const mcv_rig *r, double field, double distance) {
+static double widen(const mcv_rig_design *r, double field, double distance) {
     if (r->wishes.kind == MCV_RIG_TELECENTRIC)
         return field + fabs(distance) * r->magnification / r->f_number; /* 2 NA */
     const double share = distance / r->working_distance;
     return field * (1 - share) + lens_diameter(r) * fabs(share);
 }
 
-double mcv_rig_view(const mcv_rig *r, double distance) {
+double mcv_rig_view(const mcv_rig_design *r, double distance) {
     return widen(r, hypot(r->field[0], r->field[1]), distance);
 }
 
-double mcv_rig_view_side(const mcv_rig *r, int axis, double distance) {
+double mcv_rig_view_side(const mcv_rig_design *r, int axis, double distance) {
     return widen(r, r->field[axis], distance);
 }
 
@@ -33,7 +33,7 @@ double mcv_rig_view_side(const mcv_rig *r, int axis, double distance) {
  * the edge of the lens. It fills most of the J x K directions everywhere, and its edge lies within
  * them, so that a deflection shifts it visibly. Otherwise a diffuse panel that fills the view.
  */
-static void behind(mcv_rig *r, mcv_rig_light *light) {
+static void behind(mcv_rig_design *r, mcv_rig_light *light) {
     const double degrees = 180 / M_PI,
                  corner = 0.5 * hypot(r->field[0], r->field[1]) / r->working_distance;
     light->distance = 0.5 * r->depth + 0.5 * r->field[0];
@@ -52,7 +52,7 @@ static void behind(mcv_rig *r, mcv_rig_light *light) {
 }
 
 /* A flat ring around the view, half-way to the camera. */
-static void around(const mcv_rig *r, mcv_rig_light *light) {
+static void around(const mcv_rig_design *r, mcv_rig_light *light) {
     light->distance = 0.5 * (r->working_distance + 0.5 * r->depth);
     light->inner = mcv_rig_usual(1.1 * mcv_rig_view(r, light->distance), true);
     light->outer = 1.6 * light->inner;
@@ -61,7 +61,7 @@ static void around(const mcv_rig *r, mcv_rig_light *light) {
 
 /* A low ring close to the part's front. Seen from the middle of the part, its band faces the part
  * and spans 7° to 23° of elevation, with its centre at 15°. */
-static void low(const mcv_rig *r, mcv_rig_light *light) {
+static void low(const mcv_rig_design *r, mcv_rig_light *light) {
     const double radius = mcv_rig_usual(
         1.3 * 0.5 * fmax(mcv_rig_view(r, 0.5 * r->depth), mcv_rig_view(r, -0.5 * r->depth)), true);
     const double elevation = 15, half = 0.15 * radius;
@@ -77,7 +77,7 @@ static void low(const mcv_rig *r, mcv_rig_light *light) {
  * large as the panel would appear in a mirror in the part's place: the view, at the distance of the
  * panel's image. A cone keeps light that misses the half mirror off the part.
  */
-static void along(const mcv_rig *r, mcv_rig_light *light) {
+static void along(const mcv_rig_design *r, mcv_rig_light *light) {
     light->size[0] = light->size[1] = 0;
     for (int i = 0; i < 50;
          ++i) { /* until it converges; for a camera that is too near the size diverges */
@@ -94,7 +94,7 @@ static void along(const mcv_rig *r, mcv_rig_light *light) {
 
 /* A dome with its opening at the part's front, three times as wide as its hole: a ninth of the
  * light is missing. */
-static void over(const mcv_rig *r, mcv_rig_light *light) {
+static void over(const mcv_rig_design *r, mcv_rig_light *light) {
     double radius = 0;
     for (int i = 0; i < 50; ++i) {
         const double top = 0.5 * r->depth + radius;
@@ -109,7 +109,7 @@ static void over(const mcv_rig *r, mcv_rig_light *light) {
     light->reach = light->distance + radius;
 }
 
-void mcv_rig_choose_light(mcv_rig *r) {
+void mcv_rig_choose_light(mcv_rig_design *r) {
     const bool back =
         r->wishes.kind == MCV_RIG_TELECENTRIC || r->wishes.kind == MCV_RIG_TRANSPARENT;
     r->light = (mcv_rig_light){.type = r->wishes.light};

@@ -56,7 +56,7 @@ static mcv_result read_view(const char *text, double direction[3], mcv_error *er
 
 /* Chooses the view. By default it is along the part's shortest dimension, so that the largest face
  * is seen; its longer side is horizontal. */
-static mcv_result look(mcv_rig *r, mcv_error *error) {
+static mcv_result look(mcv_rig_design *r, mcv_error *error) {
     double size[3], to_camera[3] = {0, 0, 0}, right[3] = {1, 0, 0}, up[3], extent[3] = {0, 0, 0};
     int axis = 2;
     for (int i = 0; i < 3; ++i) {
@@ -102,9 +102,9 @@ double mcv_rig_usual(double x, bool above) {
     return above ? 10 * decade : decade;
 }
 
-static double film_side(const mcv_rig *r, int axis) { return r->pixels[axis] * r->pixel; }
+static double film_side(const mcv_rig_design *r, int axis) { return r->pixels[axis] * r->pixel; }
 
-static void set_field(mcv_rig *r) {
+static void set_field(mcv_rig_design *r) {
     for (int i = 0; i < 2; ++i) r->field[i] = film_side(r, i) / r->magnification;
 }
 
@@ -112,7 +112,7 @@ static void set_field(mcv_rig *r) {
  * The smallest standard f-number at which the whole part is blurred by at most a pixel, or the
  * largest. To first order, a depth z from the plane in focus is blurred by z m²/N in the image.
  */
-static double choose_f_number(const mcv_rig *r) {
+static double choose_f_number(const mcv_rig_design *r) {
     static const double usual[] = {4, 5.6, 8, 11, 16};
     enum { COUNT = sizeof usual / sizeof usual[0] };
     const double m = r->magnification;
@@ -125,13 +125,13 @@ static double choose_f_number(const mcv_rig *r) {
 }
 
 /* The wished magnification, given as such or as the field's width; 0 without. */
-static double wished_magnification(const mcv_rig *r) {
+static double wished_magnification(const mcv_rig_design *r) {
     return r->wishes.field_of_view > 0 ? film_side(r, 0) / r->wishes.field_of_view
                                        : r->wishes.magnification;
 }
 
 /* `least`: the smallest working distance that leaves room for the light. */
-static void choose_telecentric(mcv_rig *r, double least) {
+static void choose_telecentric(mcv_rig_design *r, double least) {
     const double wished = wished_magnification(r),
                  needed[2] = {margin * r->across[0],
                               margin * fmax(r->across[1], 1e-3 * r->across[0])};
@@ -151,7 +151,7 @@ static void choose_telecentric(mcv_rig *r, double least) {
 
 /* The distance at which a focal length frames the part. Its nearest face must fit: the field there
  * is (W - depth/2)/W of that in focus. */
-static double framing_distance(const mcv_rig *r, double f, double scale) {
+static double framing_distance(const mcv_rig_design *r, double f, double scale) {
     /* W - depth/2 = scale b with b = W f/(W - f): the larger root of W² - (scale f + f + depth/2) W
      * + f depth/2 = 0. */
     const double half = 0.5 * r->depth, p = 0.5 * (scale * f + f + half);
@@ -160,7 +160,8 @@ static double framing_distance(const mcv_rig *r, double f, double scale) {
 
 /* Is the camera far enough away: three fields, for a mild perspective, and with room for the
  * light? */
-static bool is_far_enough(const mcv_rig *r, double f, double distance, double field, double least) {
+static bool is_far_enough(const mcv_rig_design *r, double f, double distance, double field,
+                          double least) {
     const double lens = f / (distance - f) * distance / choose_f_number(r); /* b/N */
     if (distance < fmax(least, 3 * field + r->depth)) return false;
     /* If the lens is wider than the panel's cone, the panel lights that cone from everywhere in the
@@ -169,7 +170,7 @@ static bool is_far_enough(const mcv_rig *r, double f, double distance, double fi
            lens >= 1.2 * field * hypot(1, film_side(r, 1) / film_side(r, 0));
 }
 
-static void choose_entocentric(mcv_rig *r, double least) {
+static void choose_entocentric(mcv_rig_design *r, double least) {
     static const double usual[] = {4e-3,  6e-3,  8e-3,   12e-3,  16e-3,  25e-3, 35e-3,
                                    50e-3, 75e-3, 100e-3, 150e-3, 200e-3, 300e-3};
     enum { LONGEST = sizeof usual / sizeof usual[0] };
@@ -200,7 +201,7 @@ static void choose_entocentric(mcv_rig *r, double least) {
 
 /* --- all of it --- */
 
-static mcv_result check_wishes(const mcv_rig *r, mcv_error *error) {
+static mcv_result check_wishes(const mcv_rig_design *r, mcv_error *error) {
     const mcv_rig_wishes *w = &r->wishes;
     const bool scale = w->magnification > 0 || w->field_of_view > 0;
     if (w->magnification > 0 && w->field_of_view > 0)
@@ -225,10 +226,10 @@ static mcv_result check_wishes(const mcv_rig *r, mcv_error *error) {
     return MCV_OK;
 }
 
-mcv_result mcv_rig_choose(const mcv_rig_wishes *wishes, mcv_rig *r, mcv_error *error) {
-    *r = (mcv_rig){.wishes = *wishes,
-                   .directions = films[wishes->kind].directions,
-                   .pixel = films[wishes->kind].pixel};
+mcv_result mcv_rig_choose(const mcv_rig_wishes *wishes, mcv_rig_design *r, mcv_error *error) {
+    *r = (mcv_rig_design){.wishes = *wishes,
+                          .directions = films[wishes->kind].directions,
+                          .pixel = films[wishes->kind].pixel};
     MCV_TRY(check_wishes(r, error));
     MCV_TRY(mcv_rig_read_part(r, error));
     MCV_TRY(mcv_rig_choose_material(r, error));

@@ -6,7 +6,7 @@
 #ifndef MCVISI_HOST_RIG_RIG_H
 #define MCVISI_HOST_RIG_RIG_H
 
-#include "mcvisi/mcvisi.h"
+#include "core/error.h"
 
 /* X(NAME, "word"): kinds of camera. The last one is the report's experiment (section 5): light
  * field camera and parallel panel. */
@@ -58,7 +58,7 @@ typedef struct mcv_rig_light {
     double reach;        /* extent towards the camera */
 } mcv_rig_light;
 
-typedef struct mcv_rig {
+typedef struct mcv_rig_design {
     mcv_rig_wishes wishes;
     bool stl;
     double lower[3], upper[3]; /* the part's box */
@@ -72,21 +72,21 @@ typedef struct mcv_rig {
     mcv_rig_light light;
     char material[160]; /* MCVISI_materials of the part, as JSON; empty: its own */
     bool needs_normals; /* an .stl file of glass or a mirror */
-} mcv_rig;
+} mcv_rig_design;
 
 /*
  * Reads the part and chooses. MCV_USAGE for contradictory wishes, MCV_BAD_INPUT for a part that
  * cannot be read or that no standard lens frames.
  */
-mcv_result mcv_rig_choose(const mcv_rig_wishes *wishes, mcv_rig *rig, mcv_error *error);
+mcv_result mcv_rig_choose(const mcv_rig_wishes *wishes, mcv_rig_design *rig, mcv_error *error);
 
 /* light.c: the light for the chosen camera. */
-void mcv_rig_choose_light(mcv_rig *rig);
+void mcv_rig_choose_light(mcv_rig_design *rig);
 
 /* The diameter of the view, at a distance from the plane in focus towards the camera (negative:
  * behind it); and its width or height. */
-double mcv_rig_view(const mcv_rig *rig, double distance);
-double mcv_rig_view_side(const mcv_rig *rig, int axis, double distance);
+double mcv_rig_view(const mcv_rig_design *rig, double distance);
+double mcv_rig_view_side(const mcv_rig_design *rig, int axis, double distance);
 
 /* The next number of the standard series (1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8 of each decade) at or
  * above x, or at or below it. */
@@ -97,8 +97,13 @@ double mcv_rig_usual(double x, bool above);
  * rig's folder or below it. An existing file with other contents is replaced only with `force`
  * (MCV_USAGE otherwise). `path`, of PATH_MAX bytes, gets the name.
  */
-mcv_result mcv_rig_write(const mcv_rig *rig, const char *output, bool force, char *path,
+mcv_result mcv_rig_write(const mcv_rig_design *rig, const char *output, bool force, char *path,
                          mcv_error *error);
+
+/* write.c: the same as a text in memory, which the caller frees; `uri` is the part's path from the
+ * rig's folder. */
+mcv_result mcv_rig_text(const mcv_rig_design *rig, const char *uri, char **text, size_t *size,
+                        mcv_error *error);
 
 /* "12.5mm": the length with this many digits, in a suitable unit. At most three results can be used
  * at a time. */

@@ -13,7 +13,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-static void add_points(mcv_rig *r, const mcv_mesh *mesh, const mcv_transform *to_world,
+static void add_points(mcv_rig_design *r, const mcv_mesh *mesh, const mcv_transform *to_world,
                        double unit) {
     for (size_t v = 0; v < mesh->vertex_count; ++v) {
         const float *from = mesh->positions + 3 * v;
@@ -27,7 +27,7 @@ static void add_points(mcv_rig *r, const mcv_mesh *mesh, const mcv_transform *to
     r->triangles += mesh->triangle_count;
 }
 
-static mcv_result read_stl(mcv_rig *r, double unit, mcv_error *error) {
+static mcv_result read_stl(mcv_rig_design *r, double unit, mcv_error *error) {
     const char *path = r->wishes.part;
     const mcv_json_path place = mcv_place_file(path);
     const mcv_transform identity = mcv_transform_identity();
@@ -52,7 +52,7 @@ static mcv_result read_stl(mcv_rig *r, double unit, mcv_error *error) {
     return result;
 }
 
-static mcv_result read_gltf(mcv_rig *r, double unit, mcv_error *error) {
+static mcv_result read_gltf(mcv_rig_design *r, double unit, mcv_error *error) {
     mcv_scene *scene;
     MCV_TRY(mcv_scene_load(r->wishes.part, (mcv_overrides){NULL, 0}, &scene, error));
     for (uint32_t i = 0; i < scene->instance_count; ++i)
@@ -63,7 +63,7 @@ static mcv_result read_gltf(mcv_rig *r, double unit, mcv_error *error) {
                         : mcv_fail(error, MCV_BAD_INPUT, "%s: has no mesh", r->wishes.part);
 }
 
-mcv_result mcv_rig_read_part(mcv_rig *r, mcv_error *error) {
+mcv_result mcv_rig_read_part(mcv_rig_design *r, mcv_error *error) {
     const char *path = r->wishes.part, *unit_name = r->wishes.unit;
     double unit = 1, largest = 0;
     char one[32];
@@ -124,7 +124,7 @@ static mcv_result fail_material(const char *name, mcv_error *error) {
                     name, list);
 }
 
-mcv_result mcv_rig_choose_material(mcv_rig *r, mcv_error *error) {
+mcv_result mcv_rig_choose_material(mcv_rig_design *r, mcv_error *error) {
     const char *name = r->wishes.material;
     const size_t room = sizeof r->material;
     bool clear = false;

@@ -5,8 +5,8 @@
 
 #include "rig/rig.h"
 
-mcv_result mcv_rig_read_part(mcv_rig *r, mcv_error *error);
-mcv_result mcv_rig_choose_material(mcv_rig *r, mcv_error *error);
+mcv_result mcv_rig_read_part(mcv_rig_design *r, mcv_error *error);
+mcv_result mcv_rig_choose_material(mcv_rig_design *r, mcv_error *error);
 int mcv_rig_word_index(const char *word, const char *const *words);
 
 #endif

@@ -34,12 +34,12 @@ static const char *length(double metres) { return mcv_rig_length(metres, CHOSEN)
 
 /* --- elements --- */
 
-static bool is_light_field(const mcv_rig *r) {
+static bool is_light_field(const mcv_rig_design *r) {
     return r->wishes.kind == MCV_RIG_LIGHT_FIELD || r->wishes.kind == MCV_RIG_TRANSPARENT;
 }
 
 /* If the user wishes something of the lens, quantities that follow from it must not be rounded. */
-static int lens_digits(const mcv_rig *r) {
+static int lens_digits(const mcv_rig_design *r) {
     const mcv_rig_wishes *w = &r->wishes;
     return w->focal_length > 0 || w->working_distance > 0 || w->magnification > 0 ||
                    w->field_of_view > 0
@@ -47,7 +47,7 @@ static int lens_digits(const mcv_rig *r) {
                : CHOSEN;
 }
 
-static void print_sensor(FILE *out, const mcv_rig *r) {
+static void print_sensor(FILE *out, const mcv_rig_design *r) {
     const mcv_rig_wishes *w = &r->wishes;
     const int digits = lens_digits(r);
     if (w->kind == MCV_RIG_TELECENTRIC)
@@ -76,7 +76,7 @@ static void print_sensor(FILE *out, const mcv_rig *r) {
             mcv_rig_length(r->pixel, w->pixel_size > 0 ? GIVEN : CHOSEN));
 }
 
-static void print_emitter(FILE *out, const mcv_rig *r) {
+static void print_emitter(FILE *out, const mcv_rig_design *r) {
     const mcv_rig_light *light = &r->light;
     fprintf(out, "{\"name\": \"light\", ");
     switch (light->type) {
@@ -122,7 +122,7 @@ static void print_uri(FILE *out, const char *path) {
             fprintf(out, "%%%02X", *c);
 }
 
-static void print_note(FILE *out, const mcv_rig *r) {
+static void print_note(FILE *out, const mcv_rig_design *r) {
     static const char *const lights[MCV_RIG_LIGHT_COUNT] = {
         [MCV_RIG_LIGHT_BACKLIGHT] = "it is dark before a backlight",
         [MCV_RIG_LIGHT_RING] = "a ring light surrounds the view",
@@ -160,7 +160,7 @@ static void print_note(FILE *out, const mcv_rig *r) {
             length(r->field[0]), length(r->field[1]));
 }
 
-static void print_asset(FILE *out, const mcv_rig *r, const char *uri) {
+static void print_asset(FILE *out, const mcv_rig_design *r, const char *uri) {
     const char *unit = r->wishes.unit;
     fprintf(out, "{\"name\": \"part\", \"uri\": \"");
     print_uri(out, uri);
@@ -171,14 +171,14 @@ static void print_asset(FILE *out, const mcv_rig *r, const char *uri) {
 
 /* The middle of the part along an axis, rounded to the precision of its single-precision
  * corners. */
-static double known_middle(const mcv_rig *r, int axis) {
+static double known_middle(const mcv_rig_design *r, int axis) {
     const double largest = fmax(fabs(r->lower[axis]), fabs(r->upper[axis]));
     if (largest == 0) return 0;
     const double per_metre = pow(10, floor(-log10(largest * 0x1p-24)));
     return round(r->centre[axis] * per_metre) / per_metre + 0.0; /* + 0: no -0 */
 }
 
-static void print_rig(FILE *out, const mcv_rig *r, const char *uri) {
+static void print_rig(FILE *out, const mcv_rig_design *r, const char *uri) {
     const bool back = r->light.type == MCV_RIG_LIGHT_BACKLIGHT;
     fprintf(out,
             "{\n  \"asset\": {\"version\": \"2.0\", \"generator\": \"mcvisi new %s\", \"extras\": "
@@ -224,7 +224,8 @@ static void print_rig(FILE *out, const mcv_rig *r, const char *uri) {
 
 /* --- files --- */
 
-static mcv_result plan_output(const mcv_rig *r, const char *output, char *path, mcv_error *error) {
+static mcv_result plan_output(const mcv_rig_design *r, const char *output, char *path,
+                              mcv_error *error) {
     const char *part = r->wishes.part, *dot = strrchr(part, '.');
     const int stem = (int)(dot ? dot - part : (long)strlen(part));
     const int length_of = output ? snprintf(path, PATH_MAX, "%s", output)
@@ -279,19 +280,26 @@ static mcv_result replace(const char *path, const char *text, size_t size, bool 
     return mcv_output_whole(path, text, size, error);
 }
 
-mcv_result mcv_rig_write(const mcv_rig *r, const char *output, bool force, char *path,
+mcv_result mcv_rig_text(const mcv_rig_design *r, const char *uri, char **text, size_t *size,
+                        mcv_error *error) {
+    *text = NULL;
+    FILE *stream = open_memstream(text, size);
+    if (stream) print_rig(stream, r, uri);
+    if (stream && fclose(stream) == 0) return MCV_OK;
+    free(*text);
+    *text = NULL;
+    mcv_fail(error, MCV_FAILED, "%s: no memory for a rig", r->wishes.part);
+    return MCV_FAILED;
+}
+
+mcv_result mcv_rig_write(const mcv_rig_design *r, const char *output, bool force, char *path,
                          mcv_error *error) {
-    char uri[PATH_MAX] = "", *text = NULL;
-    size_t size = 0;
+    char uri[PATH_MAX] = "", *text;
+    size_t size;
     MCV_TRY(plan_output(r, output, path, error));
     MCV_TRY(find_uri(path, r->wishes.part, uri, error));
-    FILE *stream = open_memstream(&text, &size);
-    if (!stream) return mcv_fail(error, MCV_FAILED, "%s: no memory to write it", path);
-    print_rig(stream, r, uri);
-    const bool written = fclose(stream) == 0;
-    const mcv_result result = written
-                                  ? replace(path, text, size, force, error)
-                                  : mcv_fail(error, MCV_FAILED, "%s: no memory to write it", path);
+    MCV_TRY(mcv_rig_text(r, uri, &text, &size, error));
+    const mcv_result result = replace(path, text, size, force, error);
     free(text);
     return result;
 }

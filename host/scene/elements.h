@@ -5,7 +5,7 @@
 #define MCVISI_HOST_SCENE_ELEMENTS_H
 
 #include "mcvisi/elements.h"
-#include "mcvisi/mcvisi.h"
+#include "core/error.h"
 #include "mcvisi/params.h"
 #include "mcvisi/pattern.h"
 #include "mcvisi/presets/bar.h"

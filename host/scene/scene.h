@@ -10,7 +10,7 @@
 #ifndef MCVISI_HOST_SCENE_SCENE_H
 #define MCVISI_HOST_SCENE_SCENE_H
 
-#include "mcvisi/mcvisi.h"
+#include "core/error.h"
 #include "scene/elements.h"
 #include "scene/transform.h"
 

@@ -3,7 +3,7 @@
 #ifndef MCVISI_HOST_SCENE_SCHEMA_H
 #define MCVISI_HOST_SCENE_SCHEMA_H
 
-#include "mcvisi/mcvisi.h"
+#include "core/error.h"
 
 #include <stdio.h>
 

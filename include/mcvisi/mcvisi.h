@@ -1,10 +1,56 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * MC ViSi: simulation of machine-vision systems. The public C API.
+ * MC ViSi: simulation of machine-vision systems. The public interface for C and C++.
  *
- * Every function that can fail returns an mcv_result and writes one sentence into the caller's
- * mcv_error: what happened, where (file, JSON path, call), what would be right. No function exits
- * or prints. Units are SI.
+ *     mcv_error error = {""};
+ *     mcv_session *session = NULL;
+ *     mcv_rig *rig = NULL;
+ *     mcv_picture *picture = NULL;
+ *     if (mcv_session_open(NULL, &session, &error) == MCV_OK &&
+ *         mcv_rig_open("part.gltf", &rig, &error) == MCV_OK &&
+ *         mcv_rig_set(rig, "sensors/camera/fNumber", "8", &error) == MCV_OK &&
+ *         mcv_session_render(session, rig, "{\"spp\": 64}", NULL, NULL, &picture, NULL, &error) ==
+ *             MCV_OK)
+ *         mcv_picture_write(picture, "part.exr", NULL, &error);
+ *     if (error.text[0]) fprintf(stderr, "%s\n", error.text);
+ *     mcv_picture_free(picture);
+ *     mcv_rig_free(rig);
+ *     mcv_session_close(session);
+ *
+ * Errors. A function that can fail returns an mcv_result and writes one sentence into the caller's
+ * mcv_error: what happened, where (file, JSON path, option), what would be right. The error must
+ * not be NULL. After a failure the outputs of the call are NULL or 0, and all handles are as they
+ * were before. The only exception is an interrupted render: see mcv_session_render.
+ *
+ * Options. Options are a JSON object in UTF-8; NULL and "" stand for none. The keys are the names
+ * of the options of the program's verb, with - or _ between words: {"expose-to": 0.8} and
+ * {"expose_to": 0.8} are the same. A value is a text as on the command line ("10ms"), a number in
+ * SI units, true or false, a list for options that may be repeated, and a list of numbers for sizes
+ * and the like: [640, 480]. null leaves an option out.
+ * An unknown key is MCV_USAGE. mcv_options_schema gives the JSON schema of a verb's options.
+ * Options are JSON and not structs, because the list of them grows: the interface then stays
+ * binary compatible, and program, library and other languages read one list.
+ *
+ * Results. Reports are JSON objects in SI units, the same as the program prints with --json. What
+ * the program says beside them, on standard error, is the member "notes": [{"severity", "text"}].
+ * With the option {"json": false}, a check, a camera or a measurement gives the text that people
+ * read in its place, with such notes as its first lines. Texts that the library makes are freed by
+ * mcv_text_free. Where a report is not the only result, its pointer may be NULL.
+ *
+ * Handles. A handle belongs to whoever got it, who frees it once. All functions that free accept
+ * NULL. The use of a handle that was freed is undefined, as with free(). Rigs and pictures do not
+ * depend on the session that they were used with: they may outlive it.
+ *
+ * Threads. Different handles may be used in different threads at the same time: there is no global
+ * state but a cache of compiled programs, behind a lock. A handle may move between threads. A
+ * session serves one call at a time: a second call on it, from another thread or from inside one of
+ * its callbacks, is MCV_USAGE. Functions that take a const rig or picture may run at the same time
+ * on the same handle; a function that changes or frees a handle must be the only one that uses it.
+ * Callbacks run in the thread of the call.
+ *
+ * Nothing here prints, exits, installs signal handlers or changes the locale of the process. A
+ * decimal comma in the host's locale does not matter. Lengths are in metres, angles in radians,
+ * times in seconds, unless a unit is given.
  */
 #ifndef MCVISI_MCVISI_H
 #define MCVISI_MCVISI_H
@@ -12,6 +58,12 @@
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
+
+#if defined(__GNUC__)
+#define MCV_API __attribute__((visibility("default")))
+#else
+#define MCV_API
+#endif
 
 #ifdef __cplusplus
 extern "C" {
@@ -33,28 +85,266 @@ typedef enum mcv_result {
 #undef MCV_X
 } mcv_result;
 
-/* One sentence for the user; empty if nothing has failed. The caller owns it. */
+/* One sentence for the user, UTF-8; empty while nothing has failed. The caller owns it. */
 typedef struct mcv_error {
     char text[2048];
 } mcv_error;
 
-/* Writes the sentence (printf style) and returns code, so that a failing function can end with
- * `return mcv_fail(…)`. */
-mcv_result mcv_fail(mcv_error *error, mcv_result code, const char *format, ...)
-#ifdef __GNUC__
-    __attribute__((format(printf, 3, 4)))
-#endif
-    ;
+/* A device with its programs, and what consecutive renders have in common: assets, acceleration
+ * structure, textures. */
+typedef struct mcv_session mcv_session;
 
-/* Returns from the calling function if `call` fails. The callee has written the sentence. */
-#define MCV_TRY(call) \
-    do { \
-        const mcv_result mcv_try_result = (call); \
-        if (mcv_try_result != MCV_OK) return mcv_try_result; \
-    } while (0)
+/* A scene as its JSON document (glTF), and the folder that its file names are relative to. */
+typedef struct mcv_rig mcv_rig;
 
-/* The version from project() in CMakeLists.txt, such as "0.2.0". */
-const char *mcv_version(void);
+/* An image in memory: one or more parts of float32 values, and attributes. */
+typedef struct mcv_picture mcv_picture;
+
+/* --- the library --- */
+
+/* The version, such as "0.2.0". A constant text. */
+MCV_API const char *mcv_version(void);
+
+/* Frees a text that the library has made. */
+MCV_API void mcv_text_free(char *text);
+
+/* The JSON schema (draft 4) of the options of a verb: "render", "new", "check", "trace", "compare",
+ * "camera", "measure", "sweep", "lightfield", "import". MCV_USAGE for another name. */
+MCV_API mcv_result mcv_options_schema(const char *verb, char **schema, mcv_error *error);
+
+/*
+ * The OpenCL devices, as {"devices": [{"number": 0, "name": …, "type": "cpu", "version": …}, …]}:
+ * what the option `device` takes. The list is empty where there is no OpenCL, and "message" says
+ * why; the device "reference", the
+ * independent renderer on the CPU, is always there and not listed.
+ */
+MCV_API mcv_result mcv_devices(char **report, mcv_error *error);
+
+/* --- sessions --- */
+
+/*
+ * Opens a session. Its options count in every call on it that does not say otherwise: device,
+ * precision, threads, schedule. The device is opened by the first call that needs it: mcv_session_
+ * open succeeds without any OpenCL device. A session holds one device at a time; a call that names
+ * another one closes the one before.
+ */
+MCV_API mcv_result mcv_session_open(const char *options, mcv_session **session, mcv_error *error);
+
+/* Closes the session: device, programs and buffers are released. No call on it may be running. */
+MCV_API void mcv_session_close(mcv_session *session);
+
+/* --- rigs --- */
+
+/* Reads a .gltf or .glb file. MCV_BAD_INPUT where it cannot be read or is no JSON; what is wrong
+ * inside of the scene is told by the first call that uses it. */
+MCV_API mcv_result mcv_rig_open(const char *path, mcv_rig **rig, mcv_error *error);
+
+/* Takes the JSON document of a scene from memory, `size` bytes. File names in it are relative to
+ * `folder`; NULL: the working folder. */
+MCV_API mcv_result mcv_rig_parse(const char *json, size_t size, const char *folder, mcv_rig **rig,
+                                 mcv_error *error);
+
+/*
+ * A rig around a part (.stl, .glb, .gltf): kind is "telecentric", "entocentric", "lightfield" or
+ * "transparent"; options are those of `mcvisi new`. With "output" the rig is written there, with
+ * the program's rules for existing files; without, no file is written and the rig lies in the
+ * part's folder. *report: what was chosen, {"kind", "size", "magnification", "field_of_view": [w,
+ * h], "light": {…}, …}.
+ */
+MCV_API mcv_result mcv_rig_new(const char *kind, const char *part, const char *options,
+                               mcv_rig **rig, char **report, mcv_error *error);
+
+/*
+ * A lens file of a design program (.zmx, .seq) as a glTF document with exact surfaces, for scenes
+ * to place; options are those of `mcvisi import`, without "output". *report: focal length, back
+ * focus, f-number and what the file states of them.
+ */
+MCV_API mcv_result mcv_rig_import(const char *lens, const char *options, mcv_rig **rig,
+                                  char **report, mcv_error *error);
+
+/* A copy that can be changed on its own. */
+MCV_API mcv_result mcv_rig_copy(const mcv_rig *rig, mcv_rig **copy, mcv_error *error);
+
+/*
+ * Changes the document, as --set PATH=VALUE does: "sensors/camera/fNumber", "8". The value is JSON,
+ * or else a text, which may have a unit: "80mm". MCV_BAD_INPUT for a path that does not exist: the
+ * sentence names what there is. The value itself, and the name of a new member of an MCVISI_
+ * object, are checked by the first call that uses the scene.
+ */
+MCV_API mcv_result mcv_rig_set(mcv_rig *rig, const char *path, const char *value, mcv_error *error);
+
+/* The JSON at a path, as written in the document; "" is all of it. MCV_BAD_INPUT for a path that
+ * does not exist, or for a member that has its default value because it is not written. A path may
+ * end before a member: "sensors/camera" is the whole sensor, "sensors" the list of them. */
+MCV_API mcv_result mcv_rig_get(const mcv_rig *rig, const char *path, char **json, mcv_error *error);
+
+/* The paths that mcv_rig_set takes and that the document has, as a JSON list of texts, in the
+ * document's order: for completion. */
+MCV_API mcv_result mcv_rig_paths(const mcv_rig *rig, char **json, mcv_error *error);
+
+/* The path that the rig was read from or last saved to, or "". Valid until the rig is saved or
+ * freed. */
+MCV_API const char *mcv_rig_path(const mcv_rig *rig);
+
+/* The folder that file names in the document are relative to. Valid until the rig is saved or
+ * freed. */
+MCV_API const char *mcv_rig_folder(const mcv_rig *rig);
+
+/* Writes the document (.gltf, or .glb where it has a binary chunk), whole or not at all. It must go
+ * into the rig's folder, because file names in it are relative: MCV_USAGE for another folder. */
+MCV_API mcv_result mcv_rig_save(mcv_rig *rig, const char *path, mcv_error *error);
+
+MCV_API void mcv_rig_free(mcv_rig *rig);
+
+/* --- work on a rig --- */
+
+/*
+ * What was understood of the scene, and what is likely not meant: the report of `mcvisi check
+ * --json`, with "findings": [{"severity", "path", "text"}]. Options are those of `mcvisi check`;
+ * with "html" the page of the set-up is written, too. Needs no device.
+ */
+MCV_API mcv_result mcv_session_check(mcv_session *session, const mcv_rig *rig, const char *options,
+                                     char **report, mcv_error *error);
+
+/* What a running render tells. `size` is that of the struct; new members are added at the end. */
+typedef struct mcv_progress {
+    size_t size;
+    double fraction; /* done, 0 … 1; NaN while the kernels are compiled */
+    double seconds;  /* since the call */
+    double error;    /* relative error so far; infinite while it is not known */
+    void *render;    /* for mcv_progress_picture */
+} mcv_progress;
+
+/* Told after every pass of a render; false stops it. It runs in the thread of the render and may
+ * call everything but functions on the same session. */
+typedef bool mcv_progress_call(void *user, const mcv_progress *progress);
+
+/* The picture so far; only from inside of the callback. *picture is NULL, with MCV_OK, before the
+ * first sample of every pixel is complete. */
+MCV_API mcv_result mcv_progress_picture(const mcv_progress *progress, mcv_picture **picture,
+                                        mcv_error *error);
+
+/*
+ * Renders one sensor: the option "sensor", by default the only one; MCV_USAGE where there are
+ * several. Options are those of `mcvisi render` without those that name files and those of the
+ * camera. The picture has the parts "image" and "error" (its standard error), with
+ * {"parts": "replicates"} also "replicate 0" …, with {"adaptive": true} also "samples". *stats:
+ * the summary of `mcvisi render --json`.
+ *
+ * Where progress returns false: MCV_INTERRUPTED, with *picture of the samples so far, or NULL where
+ * there are none; it is to be freed as any other.
+ */
+MCV_API mcv_result mcv_session_render(mcv_session *session, const mcv_rig *rig, const char *options,
+                                      mcv_progress_call *progress, void *user,
+                                      mcv_picture **picture, char **stats, mcv_error *error);
+
+/*
+ * Follows rays through the scene's smooth surfaces. `rays`: six numbers each, origin [m] and
+ * direction in the world. Options are those of `mcvisi trace` without files. *csv: the table that
+ * the program prints, a row per vertex.
+ */
+MCV_API mcv_result mcv_session_trace(mcv_session *session, const mcv_rig *rig, const double *rays,
+                                     size_t ray_count, const char *options, char **csv,
+                                     mcv_error *error);
+
+/*
+ * Told of each set of a sweep as it is measured, as a JSON object {"set": n, "sets": all,
+ * "parameters": {name: value}, "metrics": {name: {"value", "uncertainty"}}, "samples", "error",
+ * "seconds", "message": why the set failed, or null}; and about ten times a second while a set is
+ * rendered with row NULL. False stops the sweep; rows so far stay in the table.
+ */
+typedef bool mcv_row_call(void *user, const char *row);
+
+/*
+ * Renders and measures many sets of parameters: options are those of `mcvisi sweep`. With "output"
+ * the table, the experiment and the page are written beside each other; without, only the rows are
+ * told. *report: the summary of `mcvisi sweep --json`. MCV_INTERRUPTED where a callback returns
+ * false.
+ */
+MCV_API mcv_result mcv_session_sweep(mcv_session *session, const mcv_rig *rig, const char *options,
+                                     mcv_row_call *row, void *user, char **report,
+                                     mcv_error *error);
+
+/* --- pictures --- */
+
+/* One part of a picture. The caller sets `size` to sizeof(mcv_part); the picture owns the rest,
+ * which is valid and at the same address until the picture is freed. */
+typedef struct mcv_part {
+    size_t size;
+    const char *name; /* "image", "error" … */
+    uint32_t width, height, channels;
+    const float *planes; /* [channel][row][column], rows from the top; channels are Y, or R, G, B */
+} mcv_part;
+
+/* Reads .exr, or grey values from .png, .tif, .tiff or .npy. */
+MCV_API mcv_result mcv_picture_read(const char *path, mcv_picture **picture, mcv_error *error);
+
+/*
+ * A picture of values in memory, which are copied: planes [channel][row][column], 1 or 3 channels,
+ * each side at most 32768. `deviation`: the standard uncertainty of each value in the same layout,
+ * or NULL. Attributes: a JSON object of texts and numbers such as mcv_picture_attributes gives, or
+ * NULL. MCV_BAD_INPUT for values that are not finite and for negative uncertainties.
+ */
+MCV_API mcv_result mcv_picture_make(uint32_t width, uint32_t height, uint32_t channels,
+                                    const float *planes, const float *deviation,
+                                    const char *attributes, mcv_picture **picture,
+                                    mcv_error *error);
+
+/*
+ * Writes the picture, whole or not at all; the ending says how. .exr: all parts, values and
+ * attributes. .png: a preview in 8 bits. Grey values of a camera (mcv_picture_camera) into .png,
+ * .tif, .tiff or .npy: the values as they are, of 8 or 16 bits. Options: {"preview": true} writes
+ * grey values as a preview, too; {"parts": ["image"]} only these parts into .exr.
+ */
+MCV_API mcv_result mcv_picture_write(const mcv_picture *picture, const char *path,
+                                     const char *options, mcv_error *error);
+
+MCV_API uint32_t mcv_picture_part_count(const mcv_picture *picture);
+
+/* A part by its number from 0. MCV_USAGE where there is none or part->size is not set. */
+MCV_API mcv_result mcv_picture_part(const mcv_picture *picture, uint32_t index, mcv_part *part,
+                                    mcv_error *error);
+
+/* All attributes as a JSON object: texts, numbers, lists of 2, 4 or 16 numbers. "mcvisi:unit" is
+ * the unit of the values, "mcvisi:cameraModel" the camera model, itself JSON in a text. */
+MCV_API mcv_result mcv_picture_attributes(const mcv_picture *picture, char **json,
+                                          mcv_error *error);
+
+MCV_API void mcv_picture_free(mcv_picture *picture);
+
+/* --- work on pictures --- */
+
+/* The grey values of a camera (EMVA 1288): options are those of `mcvisi camera` without files. The
+ * picture is of whole numbers [DN], with the parts "error" and "render error". */
+MCV_API mcv_result mcv_picture_camera(const mcv_picture *picture, const char *options,
+                                      mcv_picture **grey, char **report, mcv_error *error);
+
+/*
+ * Measures: options are those of `mcvisi measure`, the report is that of `mcvisi measure --json`.
+ * `minus`: measure in the difference picture - minus, or NULL. `rig`: the scene of a picture whose
+ * attributes do not give the scale, and for "nominal", or NULL.
+ */
+MCV_API mcv_result mcv_picture_measure(const mcv_picture *picture, const mcv_picture *minus,
+                                       const mcv_rig *rig, const char *options, char **report,
+                                       mcv_error *error);
+
+/*
+ * Tells whether two renders of the same picture differ by more than their noise: the report of
+ * `mcvisi compare --json`, in which "different" says it. *difference: (a - b) in units of its
+ * standard error; may be NULL. Render scenes first, with {"parts": "replicates"} for rank tests.
+ */
+MCV_API mcv_result mcv_picture_compare(const mcv_picture *a, const mcv_picture *b,
+                                       mcv_picture **difference, char **report, mcv_error *error);
+
+/* The sub-aperture views of a light field image, side by side. Options: {"angular": "9x9"} where
+ * the attributes do not tell. */
+MCV_API mcv_result mcv_picture_views(const mcv_picture *picture, const char *options,
+                                     mcv_picture **views, mcv_error *error);
+
+/* The Earth Mover's gradient of a light field image. Options: form, angular, threads as for
+ * `mcvisi lightfield emd-gradient`. */
+MCV_API mcv_result mcv_picture_emd_gradient(const mcv_picture *picture, const char *options,
+                                            mcv_picture **gradient, mcv_error *error);
 
 #ifdef __cplusplus
 }

@@ -1,0 +1,188 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Renders of the public interface. */
+#include "api/handles.h"
+#include "core/basics.h"
+#include "options/option_table.h"
+#include "reference/reference.h"
+#include "report/summary.h"
+#include "scene/sensor_find.h"
+#include "verbs/render_picture.h"
+
+#include <limits.h>
+#include <math.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* A render while it runs, for its callback. */
+typedef struct running {
+    mcv_progress_call *call;
+    void *user;
+    locale_t host;
+    mcv_rendered rendered;
+    const mcv_rig *rig;
+    double begun;
+} running;
+
+static mcv_result make_picture(const running *r, mcv_picture **picture, mcv_error *error) {
+    mcv_exr exr;
+    *picture = NULL;
+    if (r->rendered.film->samples == 0) return MCV_OK;
+    MCV_TRY(mcv_rendered_develop(&r->rendered, &exr, error));
+    return mcv_picture_of(&exr, r->rig->path[0] ? r->rig->path : "the picture", picture, error);
+}
+
+static bool tell(void *user, double fraction, double seconds, double error) {
+    running *r = user;
+    (void)seconds;
+    const mcv_progress progress = {.size = sizeof progress,
+                                   .fraction = fraction,
+                                   .seconds = mcv_seconds() - r->begun,
+                                   .error = error,
+                                   .render = r};
+    mcv_border_leave(r->host);
+    const bool go_on = r->call(r->user, &progress);
+    r->host = mcv_border_enter();
+    return go_on;
+}
+
+mcv_result mcv_progress_picture(const mcv_progress *progress, mcv_picture **picture,
+                                mcv_error *error) {
+    mcv_result result;
+    MCV_NEED(picture);
+    *picture = NULL;
+    MCV_NEED(progress);
+    MCV_INSIDE(result, make_picture(progress->render, picture, error));
+    return result;
+}
+
+static mcv_result summarize(const running *r, double seconds_load, char **stats, mcv_error *error) {
+    const mcv_rendered *rendered = &r->rendered;
+    const mcv_film *film = rendered->film;
+    char label[128];
+    mcv_sensor_label(rendered->scene, rendered->sensor, label, sizeof label);
+    const mcv_summary summary = {.scene = rendered->scene->path,
+                                 .sensor = label,
+                                 .unit = mcv_rendered_unit(rendered->scene, rendered->sensor),
+                                 .width = film->width,
+                                 .height = film->height,
+                                 .channels = film->channels,
+                                 .replicates = film->replicates,
+                                 .samples = (uint64_t)llround(mcv_film_mean_samples(film)),
+                                 .adaptive = film->levels != NULL,
+                                 .stats = *rendered->stats,
+                                 .seconds_load = seconds_load,
+                                 .seconds_write = NAN,
+                                 .error = mcv_film_relative_error(film),
+                                 .mean = mcv_film_mean(film),
+                                 .preview = {NAN, NAN}};
+    return mcv_summary_json(&summary, stats, error);
+}
+
+/* What a render gives, once the film is done. */
+static mcv_result finish(const running *r, double seconds_load, mcv_picture **picture, char **stats,
+                         mcv_error *error) {
+    MCV_TRY(make_picture(r, picture, error));
+    if (stats && *picture) MCV_TRY(summarize(r, seconds_load, stats, error));
+    if (!r->rendered.stats->interrupted) return MCV_OK;
+    return mcv_fail(error, MCV_INTERRUPTED, "%s: interrupted %s", r->rendered.scene->path,
+                    *picture ? "before its last sample" : "before its first sample");
+}
+
+static mcv_result render_scene(mcv_session *session, const mcv_command *command, running *r,
+                               mcv_scene *scene, mcv_picture **picture, char **stats,
+                               mcv_error *error) {
+    const double seconds_load = mcv_seconds() - r->begun;
+    const bool reference = mcv_wants_reference(command);
+    mcv_render_options options;
+    mcv_render_stats told = {.stage_count = 0};
+    mcv_film film = {0};
+    mcv_renderer *renderer = NULL;
+    uint32_t sensor;
+    MCV_TRY(mcv_render_options_read(command, &options, error));
+    MCV_TRY(mcv_session_sensor(scene, command, &sensor, error));
+    if (reference) options.sampler = MCV_SAMPLER_RANDOM; /* it has no other */
+    options.progress = r->call ? tell : NULL;
+    options.user = r;
+    if (!reference) MCV_TRY(mcv_session_renderer(session, command->device, &renderer, error));
+    r->rendered.scene = scene;
+    r->rendered.sensor = sensor;
+    r->rendered.options = &options;
+    r->rendered.film = &film;
+    r->rendered.stats = &told;
+    mcv_result result =
+        reference ? mcv_reference_render(scene, sensor, &options, &film, &told, error)
+                  : mcv_renderer_render(renderer, scene, sensor, &options, &film, &told, error);
+    if (result == MCV_OK) result = finish(r, seconds_load, picture, stats, error);
+    r->rendered = (mcv_rendered){.set = r->rendered.set}; /* the rest ends here */
+    mcv_film_free(&film);
+    return result;
+}
+
+/* All that was set: in the rig, and for this render. The caller frees the items. */
+static mcv_result join_changes(const mcv_rig *rig, const mcv_command *command, mcv_overrides *set,
+                               mcv_error *error) {
+    const mcv_overrides changes = mcv_rig_changes(rig);
+    const char **items = malloc((changes.count + command->set.count + 1) * sizeof *items);
+    if (!items) return mcv_fail(error, MCV_FAILED, "no memory for the changes of the scene");
+    if (changes.count) memcpy(items, changes.items, changes.count * sizeof *items);
+    if (command->set.count)
+        memcpy(items + changes.count, command->set.items, command->set.count * sizeof *items);
+    *set = (mcv_overrides){items, changes.count + command->set.count};
+    return MCV_OK;
+}
+
+/* Options that a render has on the command line only: its files, and those of the camera that
+ * reads it out, which is a call of its own here. */
+static void list_others(const char *names[MCV_OPTION_COUNT + 1]) {
+    size_t count = 0;
+    for (size_t i = 0; i < MCV_OPTION_COUNT; ++i) {
+        const mcv_option *o = mcv_options + i;
+        static const char *const files[] = {"output", "png", "camera", "json"};
+        bool other = (o->verbs & MCV_IN_CAMERA) && strcmp(o->name, "seed") != 0;
+        for (size_t k = 0; k < sizeof files / sizeof files[0]; ++k)
+            other = other || strcmp(o->name, files[k]) == 0;
+        if (other) names[count++] = o->name;
+    }
+    names[count] = NULL;
+}
+
+static mcv_result render_rig(mcv_session *session, const mcv_rig *rig, const char *text, running *r,
+                             mcv_picture **picture, char **stats, mcv_error *error) {
+    const char *without[MCV_OPTION_COUNT + 1];
+    const char *const arguments[2] = {rig->document.path};
+    mcv_options_given given;
+    mcv_scene *scene = NULL;
+    list_others(without);
+    MCV_TRY(mcv_options_read(text, session->defaults, MCV_VERB_RENDER, arguments, without, &given,
+                             error));
+    const mcv_command *command = &given.command;
+    mcv_result result = join_changes(rig, command, &r->rendered.set, error);
+    r->rendered.hash = rig->hash;
+    r->rendered.replicates = command->parts != 0;
+    if (result == MCV_OK) result = mcv_session_scene(session, rig, command, &scene, error);
+    if (result == MCV_OK) result = render_scene(session, command, r, scene, picture, stats, error);
+    mcv_scene_free(scene);
+    free((void *)r->rendered.set.items);
+    mcv_options_free(&given);
+    if (result == MCV_OK || result == MCV_INTERRUPTED) return result;
+    mcv_picture_free(*picture);
+    *picture = NULL;
+    return result;
+}
+
+mcv_result mcv_session_render(mcv_session *session, const mcv_rig *rig, const char *options,
+                              mcv_progress_call *progress, void *user, mcv_picture **picture,
+                              char **stats, mcv_error *error) {
+    MCV_NEED(picture);
+    *picture = NULL;
+    if (stats) *stats = NULL;
+    MCV_NEED(session);
+    MCV_NEED(rig);
+    MCV_TRY(mcv_session_begin(session, error));
+    running r = {.call = progress, .user = user, .rig = rig, .begun = mcv_seconds()};
+    r.host = mcv_border_enter();
+    const mcv_result result = render_rig(session, rig, options, &r, picture, stats, error);
+    mcv_border_leave(r.host);
+    mcv_session_end(session);
+    return result;
+}

@@ -1,0 +1,109 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Sweeps of the public interface. */
+#include "api/handles.h"
+#include "core/basics.h"
+#include "verbs/sweep.h"
+
+#include <stdlib.h>
+
+/* A sweep while it runs, for its callback. */
+typedef struct running {
+    mcv_row_call *call;
+    void *user;
+    locale_t host;
+    double told; /* when it was last asked whether to go on */
+    bool stopped;
+} running;
+
+static void ask(running *r, const char *row) {
+    r->told = mcv_seconds();
+    mcv_border_leave(r->host);
+    r->stopped = !r->call(r->user, row) || r->stopped;
+    r->host = mcv_border_enter();
+}
+
+static void tell_row(void *user, const mcv_sweep *sweep, const double *row, const char *message) {
+    running *r = user;
+    char *text = mcv_sweep_row_json(sweep, row, message);
+    if (text) ask(r, text);
+    free(text);
+}
+
+static mcv_result interrupted(void *user) {
+    running *r = user;
+    if (!r->stopped && mcv_seconds() - r->told > 0.1) ask(r, NULL);
+    return r->stopped ? MCV_INTERRUPTED : MCV_OK;
+}
+
+static mcv_result run(const mcv_experiment *experiment, char **report, mcv_error *error) {
+    const double begun = mcv_seconds();
+    mcv_sweep s;
+    mcv_result result = mcv_experiment_plan(experiment, &s, error);
+    if (result == MCV_OK) result = mcv_experiment_open_table(&s, error);
+    if (result == MCV_OK) result = mcv_experiment_run(&s, error);
+    const size_t failed = mcv_table_failed(&s.table);
+    if (result == MCV_OK && failed == s.table.row_count)
+        result = mcv_fail(error, MCV_FAILED, "all %zu sets failed, the first one: %s", failed,
+                          s.table.messages[0]);
+    if (result == MCV_OK && report)
+        result = mcv_sweep_json(&s, mcv_seconds() - begun, report, error);
+    mcv_experiment_free(&s);
+    return result;
+}
+
+/* What was changed in the rig belongs to the experiment: with the file it gives the same scene. */
+static json_t *make_settings(const mcv_command *command, const mcv_rig *rig) {
+    const mcv_overrides changes = mcv_rig_changes(rig);
+    json_t *settings = mcv_sweep_settings(command), *set = json_array();
+    for (size_t i = 0; i < changes.count; ++i)
+        json_array_append_new(set, json_string(changes.items[i]));
+    if (json_object_get(settings, "set")) json_array_extend(set, json_object_get(settings, "set"));
+    if (json_array_size(set) > 0) json_object_set(settings, "set", set);
+    json_decref(set);
+    return settings;
+}
+
+static mcv_result sweep_rig(mcv_session *session, const mcv_rig *rig, const mcv_command *command,
+                            running *r, char **report, mcv_error *error) {
+    mcv_experiment experiment;
+    MCV_TRY(mcv_sweep_experiment(command, &experiment, error));
+    if (!experiment.render_with)
+        MCV_TRY(mcv_session_renderer(session, command->device, &experiment.renderer, error));
+    experiment.rig = rig->document.path;
+    experiment.document = &rig->document;
+    experiment.assets = session->assets;
+    experiment.table = command->table;
+    experiment.settings = make_settings(command, rig);
+    if (r->call)
+        experiment.calls =
+            (mcv_sweep_calls){.row = tell_row, .interrupted = interrupted, .user = r};
+    const mcv_result result = run(&experiment, report, error);
+    json_decref(experiment.settings);
+    return result;
+}
+
+static mcv_result sweep(mcv_session *session, const mcv_rig *rig, const char *options, running *r,
+                        char **report, mcv_error *error) {
+    static const char *const without[] = {"json", NULL};
+    const char *const arguments[2] = {rig->document.path};
+    mcv_options_given given;
+    MCV_TRY(mcv_options_read(options, session->defaults, MCV_VERB_SWEEP, arguments, without, &given,
+                             error));
+    const mcv_result result = sweep_rig(session, rig, &given.command, r, report, error);
+    mcv_options_free(&given);
+    return result;
+}
+
+mcv_result mcv_session_sweep(mcv_session *session, const mcv_rig *rig, const char *options,
+                             mcv_row_call *row, void *user, char **report, mcv_error *error) {
+    if (report) *report = NULL;
+    MCV_NEED(session);
+    MCV_NEED(rig);
+    MCV_TRY(mcv_session_begin(session, error));
+    running r = {.call = row, .user = user, .told = mcv_seconds()};
+    r.host = mcv_border_enter();
+    const mcv_result result = sweep(session, rig, options, &r, report, error);
+    mcv_border_leave(r.host);
+    mcv_session_end(session);
+    return result;
+}

@@ -1,0 +1,30 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* How functions inside fail; codes and sentences are those of the public header. */
+#ifndef MCVISI_HOST_CORE_ERROR_H
+#define MCVISI_HOST_CORE_ERROR_H
+
+#include "mcvisi/mcvisi.h"
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+/* Writes the sentence (printf style) and returns code, so that a failing function ends in `return
+ * mcv_fail(…)`. */
+mcv_result mcv_fail(mcv_error *error, mcv_result code, const char *format, ...)
+#ifdef __GNUC__
+    __attribute__((format(printf, 3, 4)))
+#endif
+    ;
+
+/* Leaves the calling function with a failed callee's code; the callee has written the sentence. */
+#define MCV_TRY(call) \
+    do { \
+        const mcv_result mcv_try_result = (call); \
+        if (mcv_try_result != MCV_OK) return mcv_try_result; \
+    } while (0)
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,357 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The verbs and options of the program, each listed once. Parsing (options/command.h), help,
+ * messages and JSON schemas follow from the lists. */
+#ifndef MCVISI_HOST_OPTIONS_OPTIONS_H
+#define MCVISI_HOST_OPTIONS_OPTIONS_H
+
+#include <stddef.h>
+#include <stdint.h>
+
+/* X(verb, VERB, "arguments", "what it does"). A verb has no, one or two arguments; an optional one
+ * stands in []. */
+#define MCV_VERBS(X) \
+    X(render, RENDER, "SCENE", "render every sensor of a scene into OpenEXR and PNG images") \
+    X(new, NEW, "telecentric|entocentric|lightfield|transparent PART", \
+      "write a rig around a part (.stl, .glb, .gltf): standard optics that frame it, and a light " \
+      "(transparent: a light field camera and a parallel panel behind the part)") \
+    X(check, CHECK, "[SCENE]", \
+      "print how a scene was understood: optics, emitters, materials, features with their " \
+      "causes, stages, findings") \
+    X(trace, TRACE, "SCENE", \
+      "trace given rays through a scene's smooth surfaces and print every vertex of their paths") \
+    X(compare, COMPARE, "A B", \
+      "test whether two renders of the same picture (OpenEXR images or scenes) differ by more " \
+      "than their noise; exit code 1 if they do") \
+    X(camera, CAMERA, "IMAGE.exr", \
+      "convert irradiance or radiance to the grey values of a camera, with its noise (EMVA 1288)") \
+    X(measure, MEASURE, "IMAGE", \
+      "measure in an image: regions, contrasts, edges and their sharpness, lines, widths and " \
+      "circles, each with its standard uncertainty") \
+    X(sweep, SWEEP, "RIG|EXPERIMENT.json", \
+      "render a scene with many sets of parameters and measure in each image; the result is a " \
+      "table and a page of plots with error bars") \
+    X(lightfield, LIGHTFIELD, "views|emd-gradient IMAGE.exr", \
+      "show a light field image as its sub-aperture views, or its Earth Mover's gradient, in " \
+      "which defects stand out") \
+    X(import, IMPORT, "LENS.zmx|LENS.seq", \
+      "convert a lens file of a design program to a glTF file with exact surfaces, which scenes " \
+      "can place") \
+    X(devices, DEVICES, "", "list the OpenCL devices and their numbers") \
+    X(help, HELP, "[VERB]", "explain a verb and its options")
+
+enum {
+#define MCV_X(verb, VERB, argument, doc) MCV_VERB_##VERB,
+    MCV_VERBS(MCV_X)
+#undef MCV_X
+        MCV_VERB_COUNT
+};
+
+/* Sets of verbs that take an option. */
+enum {
+#define MCV_X(verb, VERB, argument, doc) MCV_IN_##VERB = 1 << MCV_VERB_##VERB,
+    MCV_VERBS(MCV_X)
+#undef MCV_X
+        MCV_IN_RENDERS = MCV_IN_RENDER | MCV_IN_SWEEP, /* verbs that render scenes */
+    MCV_IN_FIGURES = MCV_IN_MEASURE | MCV_IN_SWEEP,
+    MCV_IN_GREY = MCV_IN_RENDERS | MCV_IN_CAMERA
+};
+
+/*
+ * X(kind, field, "name", letter, "argument", verbs, default, min, max, "doc")
+ *
+ * The kinds are
+ *     flag      present or not
+ *     text      a string
+ *     list      a string; the option may be repeated
+ *     number    above min and at most max
+ *     time      such a number, in seconds or with a unit
+ *     channels  one such number or three
+ *     lengths   one such number or three, in metres or with units
+ *     count     an integer from min to max
+ *     size      two counts WxH
+ *     range     two counts A:B with A < B
+ *     choice    one of the words in the argument, stored as its index
+ * The default is written as on the command line; without one the field is zero.
+ */
+#define MCV_OPTIONS(X) \
+    X(text, exr, "output", 'o', "F.exr", MCV_IN_RENDER, NULL, 0, 0, \
+      "the OpenEXR image; its second part is the standard error; by default it is named after " \
+      "the scene, and the sensor if there are several") \
+    X(text, png, "png", 0, "F.png", MCV_IN_RENDER, NULL, 0, 0, \
+      "the preview; by default the name of the OpenEXR image with .png") \
+    X(choice, parts, "parts", 0, "error|replicates", MCV_IN_RENDER, "error", 0, 0, \
+      "parts of the OpenEXR file beside the image: error, its standard error; replicates, " \
+      "also the means of all replicates, which `mcvisi compare` needs for rank tests") \
+    X(text, rig, "output", 'o', "RIG.gltf", MCV_IN_NEW, NULL, 0, 0, \
+      "the rig; the part must lie in its folder or below; by default PART-KIND.gltf beside " \
+      "the part") \
+    X(text, lens, "output", 'o', "LENS.gltf", MCV_IN_IMPORT, NULL, 0, 0, \
+      "the file to write; by default the name of the lens file with .gltf") \
+    X(list, index, "index", 0, "GLASS=N", MCV_IN_IMPORT, NULL, 0, 0, \
+      "the refractive index of a glass that is not in the catalogue; may be repeated") \
+    X(choice, curvature, "curvature", 0, "auto|radius|curvature", MCV_IN_IMPORT, "auto", 0, 0, \
+      "meaning of the numbers of a .seq file's surfaces; auto: as its RDM says, else the one " \
+      "that focuses at the file's image") \
+    X(flag, force, "force", 0, NULL, MCV_IN_NEW, NULL, 0, 0, \
+      "replace an existing rig that differs") \
+    X(text, unit, "unit", 0, "nm|um|mm|cm|m|inch", MCV_IN_NEW, NULL, 0, 0, \
+      "unit of the part's lengths; required for .stl files, which do not state it; glTF has " \
+      "metres") \
+    X(choice, light, "light", 0, "auto|backlight|ring|darkfield|coaxial|dome", MCV_IN_NEW, "auto", \
+      0, 0, \
+      "auto: a backlight for telecentric and transparent, else a ring around the view; " \
+      "darkfield: a low ring close to the part") \
+    X(text, material, "material", 0, "M", MCV_IN_NEW, NULL, 0, 0, \
+      "material of the whole part, in place of its own: a metal (aluminium), a glass (N-BK7) " \
+      "or a type without required parameters (mirror); by default .stl files are diffuse, for " \
+      "transparent N-BK7") \
+    X(text, view, "view", 0, "SIDE|X,Y,Z", MCV_IN_NEW, NULL, 0, 0, \
+      "side that faces the camera, in the part's coordinates: front (+z), back (-z), right " \
+      "(+x), left (-x), top (+y), bottom (-y), or a direction; by default along the part's " \
+      "shortest dimension") \
+    X(size, film, "resolution", 0, "WxH", MCV_IN_NEW, NULL, 1, 16384, \
+      "pixels of the camera; macro pixels of a light field camera") \
+    X(text, pixel_size, "pixel-size", 0, "P", MCV_IN_NEW, NULL, 0, 0, \
+      "width of a pixel, a length such as 3.45um") \
+    X(text, field_of_view, "field-of-view", 0, "W", MCV_IN_NEW, NULL, 0, 0, \
+      "width of the field in the plane in focus, such as 60mm; or give --magnification") \
+    X(number, magnification, "magnification", 0, "M", MCV_IN_NEW, NULL, 0, 1e4, \
+      "image size over object size") \
+    X(text, focal_length, "focal-length", 0, "F", MCV_IN_NEW, NULL, 0, 0, \
+      "focal length, such as 25mm") \
+    X(text, working_distance, "working-distance", 0, "W", MCV_IN_NEW, NULL, 0, 0, \
+      "distance from the lens to the plane in focus, which is the middle of the part, such as " \
+      "110mm") \
+    X(number, f_number, "f-number", 0, "N", MCV_IN_NEW, NULL, 0, 1e4, \
+      "the working f-number, on the image side") \
+    X(text, sensor, "sensor", 0, "NAME", \
+      MCV_IN_RENDERS | MCV_IN_CHECK | MCV_IN_MEASURE | MCV_IN_COMPARE, NULL, 0, 0, \
+      "use only this sensor, by name or number") \
+    X(count, spp, "spp", 0, "N", MCV_IN_RENDERS | MCV_IN_COMPARE, NULL, 1, 1ull << 37, \
+      "stop at N samples per pixel over all replicates; N / replicates is rounded up to a " \
+      "power of two") \
+    X(number, error, "error", 0, "E", MCV_IN_RENDERS | MCV_IN_COMPARE, NULL, 0, 1e9, \
+      "stop at this error: root of the mean squared standard error over the image's mean; " \
+      "without --spp, --error, --time and --samples the limits are 0.01 and 60 s") \
+    X(time, time, "time", 0, "T", MCV_IN_RENDERS | MCV_IN_COMPARE, NULL, 0, 1e9, \
+      "stop between 0.8 T and T seconds (or with a unit: 5min), building the scene and the " \
+      "kernels included; earlier where one more sample of each pixel and replicate (8 with " \
+      "--adaptive) would pass T; the first one is always rendered") \
+    X(range, samples, "samples", 0, "A:B", MCV_IN_RENDER, NULL, 0, 1ull << 31, \
+      "render only samples A to B - 1 of each replicate; B - A is a power of two and A a " \
+      "multiple of it") \
+    X(count, replicates, "replicates", 0, "R", MCV_IN_RENDERS, "4", 1, 64, \
+      "number of independent scrambles of the sample points; their spread gives the standard " \
+      "error") \
+    X(count, repeats, "replicates", 0, "R", MCV_IN_COMPARE, "16", 2, 64, \
+      "number of independent scrambles of a scene's sample points; their spread is the noise " \
+      "that a difference must exceed") \
+    X(text, against, "against", 0, "OPTIONS", MCV_IN_COMPARE, NULL, 0, 0, \
+      "options of the scene B that differ from those of A, in quotes, as in " \
+      "--against=\"--device reference --depth 64\"; if its seed would equal A's, the next one " \
+      "is used") \
+    X(flag, adaptive, "adaptive", 0, NULL, MCV_IN_RENDER, NULL, 0, 0, \
+      "give noisier pixels more samples, and the others fewer, if it pays; --spp then limits " \
+      "the mean; the part `samples` of the OpenEXR file has the number of each pixel") \
+    X(choice, sampler, "sampler", 0, "sobol|random", MCV_IN_RENDERS | MCV_IN_COMPARE, "sobol", 0, \
+      0, "Owen-scrambled Sobol' points, or independent random points") \
+    X(choice, split, "split", 0, "on|off", MCV_IN_RENDERS | MCV_IN_COMPARE, "on", 0, 0, \
+      "on: at glass, sheets and beam splitters follow both the reflected and the transmitted " \
+      "path; off: follow one of them at random") \
+    X(choice, light_paths, "light-paths", 0, "auto|on|off", MCV_IN_RENDERS | MCV_IN_COMPARE, \
+      "auto", 0, 0, \
+      "light paths from emitters: auto: `render` measures how many are worth their time, other " \
+      "commands trace as many as `on` does; on: as many as the scene's geometry suggests; off: " \
+      "none, then caustics of lights without extent are missing") \
+    X(count, seed, "seed", 0, "S", MCV_IN_GREY | MCV_IN_COMPARE, "0", 0, UINT32_MAX, \
+      "seed of the noise; the same seed gives the same bits; with one seed, all images of a " \
+      "sequence have the same noise") \
+    X(count, depth, "depth", 0, "N", MCV_IN_RENDERS | MCV_IN_COMPARE | MCV_IN_TRACE, "32", 1, \
+      1000000, "largest number of surfaces on a path") \
+    X(size, resolution, "resolution", 0, "WxH", MCV_IN_RENDERS | MCV_IN_COMPARE, NULL, 1, 65536, \
+      "other number of pixels on the same field of view; macro pixels for a light field " \
+      "camera") \
+    X(choice, schedule, "schedule", 0, "auto|tile|stream", MCV_IN_RENDERS | MCV_IN_COMPARE, \
+      "auto", 0, 0, \
+      "how the stages are launched: tile, a slice of the image at a time (CPUs); stream, one " \
+      "launch per stage (GPUs); both give the same bits") \
+    X(text, device, "device", 0, "D", MCV_IN_RENDERS | MCV_IN_TRACE | MCV_IN_COMPARE, NULL, 0, 0, \
+      "a number from `mcvisi devices`, PLATFORM:TYPE:NAME, or `reference`: the independent " \
+      "renderer in double precision, slow") \
+    X(choice, precision, "precision", 0, "single|mixed|double", \
+      MCV_IN_RENDERS | MCV_IN_TRACE | MCV_IN_COMPARE, NULL, 0, 0, \
+      "single: float32, the default; mixed: hits on smooth surfaces and directions behind " \
+      "them in double; double: all in double, by the reference renderer, slow") \
+    X(count, threads, "threads", 0, "N", \
+      MCV_IN_RENDERS | MCV_IN_TRACE | MCV_IN_LIGHTFIELD | MCV_IN_COMPARE, NULL, 1, 1024, \
+      "threads of the host, for building the scene, the reference renderer and the gradient; " \
+      "by default one per core") \
+    X(text, rays, "rays", 0, "rays.csv", MCV_IN_TRACE, NULL, 0, 0, \
+      "the rays: rows x,y,z,dx,dy,dz in metres, in world coordinates") \
+    X(text, paths, "output", 'o', "paths.csv", MCV_IN_TRACE, NULL, 0, 0, \
+      "the file of the vertices; by default standard output") \
+    X(text, difference, "output", 'o', "DIFF.png", MCV_IN_COMPARE, NULL, 0, 0, \
+      "a PNG of the differences A - B in units of their standard error") \
+    X(text, grey, "output", 'o', "FILE", MCV_IN_CAMERA, NULL, 0, 0, \
+      "the grey values [DN], unscaled: .png, .tif or .npy, with 8 bits for --bits up to 8, " \
+      "else 16, and FILE-preview.png to look at; .exr with the whole header of the image and " \
+      "the standard uncertainty of each value") \
+    X(text, camera, "camera", 0, "FILE", MCV_IN_RENDER, NULL, 0, 0, \
+      "also write the grey values of a camera, as `mcvisi camera` does from the image; its " \
+      "options apply") \
+    X(time, exposure_time, "exposure-time", 0, "T", MCV_IN_GREY, NULL, 0, 1e9, \
+      "EMVA's t_exp [s], or with a unit, 10ms; together with eta, lambda and the pixel size " \
+      "in the image's header it gives the electrons per irradiance; with --electrons-per-unit " \
+      "or --expose-to instead, it only scales --dark-current") \
+    X(channels, quantum_efficiency, "quantum-efficiency", 0, "ETA[,ETA,ETA]", MCV_IN_GREY, "0.6", \
+      0, 1, "eta: electrons per photon, one number or those of red, green and blue") \
+    X(lengths, wavelength, "wavelength", 0, "L[,L,L]", MCV_IN_GREY, "550nm", 0, 1e-3, \
+      "lambda [m], or with a unit, 630nm; one number or those of red, green and blue; a " \
+      "photon has the energy h c / lambda") \
+    X(channels, electrons_per_unit, "electrons-per-unit", 0, "N[,N,N]", MCV_IN_GREY, NULL, 0, \
+      1e30, "mean electrons mu_e for 1 W/m^2 of irradiance or 1 W/(m^2 sr) of radiance") \
+    X(number, expose_to, "expose-to", 0, "F", MCV_IN_GREY, NULL, 0, 1000, \
+      "choose the exposure so that the bright parts of the image reach F times the full well " \
+      "on average; their level is the brightness-weighted mean of the image or, if larger, " \
+      "that of the brightest blocks of 16 x 16 pixels; it does not depend on the number of " \
+      "samples") \
+    X(number, full_well, "full-well", 0, "N", MCV_IN_GREY, "10000", 0, 1e12, \
+      "saturation capacity u_e.sat [e-]") \
+    X(number, gain, "gain", 0, "K", MCV_IN_GREY | MCV_IN_MEASURE, NULL, 0, 1e12, \
+      "system gain K [DN/e-]; by default the full well is the largest grey value") \
+    X(number, read_noise, "read-noise", 0, "N", MCV_IN_GREY | MCV_IN_MEASURE, NULL, 0, 1e9, \
+      "sigma_d0, the temporal dark noise without dark current [e-]; by default none") \
+    X(number, dark_current, "dark-current", 0, "I", MCV_IN_GREY, NULL, 0, 1e12, \
+      "mu_I.dark [e-/s], multiplied by --exposure-time; by default none") \
+    X(number, dsnu, "dsnu", 0, "N", MCV_IN_GREY, NULL, 0, 1e9, \
+      "DSNU1288: standard deviation of the pixels' offsets [e-]; by default none") \
+    X(number, prnu, "prnu", 0, "F", MCV_IN_GREY, NULL, 0, 1, \
+      "PRNU1288: standard deviation of the pixels' sensitivities, as a fraction; by default " \
+      "none") \
+    X(count, camera_seed, "camera-seed", 0, "S", MCV_IN_GREY, "0", 0, UINT32_MAX, \
+      "another specimen of the camera: other offsets and sensitivities of its pixels") \
+    X(flag, noise_free, "noise-free", 0, NULL, MCV_IN_GREY, NULL, 0, 0, \
+      "mean grey values, only rounded: no noise and no fixed pattern") \
+    X(count, bits, "bits", 0, "B", MCV_IN_GREY, "12", 1, 16, \
+      "bits of a grey value, which ranges from 0 to 2^B - 1 DN") \
+    X(count, black_level, "black-level", 0, "DN", MCV_IN_GREY | MCV_IN_MEASURE, "0", 0, 65534, \
+      "the mean grey value without light and without dark current") \
+    X(choice, bayer, "bayer", 0, "none|RGGB|BGGR|GRBG|GBRG", MCV_IN_GREY, "none", 0, 0, \
+      "colours of the top-left 2 x 2 pixels; the output has one channel of grey values, as a " \
+      "colour camera reads them") \
+    X(text, lens_mtf, "lens-mtf", 0, "diffraction|none|F.csv", MCV_IN_GREY, "diffraction", 0, 0, \
+      "blur of the lens beyond geometrical optics: diffraction at the working f-number of the " \
+      "image's header, if it has one; or a table with rows `cycles per mm on the sensor, " \
+      "modulation`; not for light field images") \
+    X(list, region, "region", 0, "[NAME=]X,Y,W,H", MCV_IN_FIGURES, NULL, 0, 0, \
+      "region to measure, in pixels from the top-left corner: a rectangle, a polygon " \
+      "X,Y,X,Y,X,Y,… or an image F.png, whose pixels above 0 belong to it; or a rectangle on " \
+      "the part, see --edge; may be repeated; by default the whole image") \
+    X(text, background, "background", 0, "REGION", MCV_IN_FIGURES, NULL, 0, 0, \
+      "region to compare the others with: gives Weber and Michelson contrast and the " \
+      "contrast-to-noise ratio") \
+    X(list, edge, "edge", 0, "[NAME=]X,Y,W,H", MCV_IN_FIGURES, NULL, 0, 0, \
+      "a rectangle with one straight edge in it: gives its position, tilt, 10-90 % width, " \
+      "sagitta and, if it is tilted, the modulation transfer function (ISO 12233); a curved " \
+      "edge is an error; may be repeated: gives the distances from the first. In all boxes, " \
+      "@NODE:X,Y,Z,W,H replaces X,Y,W,H by a rectangle W wide and H high in the image about a " \
+      "point in the node's coordinates, all lengths with units, as in " \
+      "left=@part:-20mm,0mm,3mm,2mm,4mm") \
+    X(list, line, "line", 0, "[NAME=]X,Y,W,H[+X,Y,W,H…]", MCV_IN_FIGURES, NULL, 0, 0, \
+      "rectangles, joined by +, that one straight edge passes: gives the position, tilt and " \
+      "straightness (root mean square) of one line through them, and distances from the first " \
+      "edge or line; may be repeated") \
+    X(list, caliper, "caliper", 0, "[NAME=]X,Y,W,H", MCV_IN_FIGURES, NULL, 0, 0, \
+      "a rectangle whose longer side crosses two opposite edges: gives their distance and " \
+      "angle; may be repeated") \
+    X(list, circle, "circle", 0, "[NAME=]X,Y,W,H", MCV_IN_FIGURES, NULL, 0, 0, \
+      "a rectangle around a circle, some pixels larger: gives its centre (column, row), " \
+      "radius, diameter and roundness (root mean square); may be repeated: gives the " \
+      "distances of the centres from the first, and from the first edge or line") \
+    X(list, arc, "arc", 0, "[NAME=]X,Y,W,H", MCV_IN_FIGURES, NULL, 0, 0, \
+      "a rectangle around a part of a circle: gives what --circle gives; may be repeated") \
+    X(text, minus, "minus", 0, "OTHER", MCV_IN_MEASURE, NULL, 0, 0, \
+      "measure in the difference IMAGE - OTHER") \
+    X(choice, channel, "channel", 0, "mean|red|green|blue", MCV_IN_FIGURES, "mean", 0, 0, \
+      "channel of a colour image") \
+    X(number, noise, "noise", 0, "S", MCV_IN_MEASURE, NULL, 0, 1e30, \
+      "standard uncertainty of each value, for images that do not state it; or give --gain " \
+      "with --read-noise and --black-level; by default it is estimated from the differences " \
+      "of neighbouring pixels") \
+    X(text, scene, "scene", 0, "SCENE", MCV_IN_MEASURE, NULL, 0, 0, \
+      "the scene of an image whose header does not give the scale; lengths are in its plane " \
+      "in focus") \
+    X(flag, nominal, "nominal", 0, NULL, MCV_IN_MEASURE, NULL, 0, 0, \
+      "with --scene: subtract the growth of a thick part's edges before a backlight, as " \
+      "`mcvisi check` states it, and add its uncertainty; for telecentric cameras only") \
+    X(text, grid, "grid", 0, "[NODE=]F.png", MCV_IN_MEASURE, NULL, 0, 0, \
+      "draw the image with pixel coordinates, the node's coordinates in the plane in focus in " \
+      "millimetres, and the given places; by default the first node that the header names") \
+    X(list, vary, "vary", 0, "PATH=VALUES", MCV_IN_SWEEP, NULL, 0, 0, \
+      "a parameter of the scene, a path as for --set, and its values FROM..TO:N, " \
+      "FROM..TO:N:log or A,B,C, as in --vary emitters/back/halfAngle=0.1deg..2deg:8; " \
+      "expressions and the table use the last word of the path, halfAngle, as its name; may " \
+      "be repeated") \
+    X(list, tie, "tie", 0, "PATH=EXPR", MCV_IN_SWEEP, NULL, 0, 0, \
+      "a parameter that follows from others, as in --tie nodes/back/distance=2*distance+10mm; " \
+      "may be repeated") \
+    X(list, where, "where", 0, "EXPR", MCV_IN_SWEEP, NULL, 0, 0, \
+      "leave out sets for which this is 0 or false, as in --where 'halfAngle<1deg || " \
+      "fNumber>8'; may be repeated") \
+    X(choice, design, "design", 0, "grid|list|lhs|sobol", MCV_IN_SWEEP, "grid", 0, 0, \
+      "which sets: grid, all combinations; list, the first values of all parameters, then the " \
+      "second, and so on; lhs, a Latin hypercube; sobol, Sobol' points") \
+    X(count, points, "points", 0, "N", MCV_IN_SWEEP, NULL, 1, 1000000, \
+      "number of sets of --design lhs and sobol") \
+    X(count, design_seed, "design-seed", 0, "S", MCV_IN_SWEEP, "0", 0, UINT32_MAX, \
+      "another Latin hypercube, other Sobol' points") \
+    X(list, metric, "metric", 0, "[NAME:=]EXPR", MCV_IN_SWEEP, NULL, 0, 0, \
+      "what to measure: an expression of figures of `mcvisi measure`, NAME.FIGURE of a " \
+      "region, edge, line, caliper, circle or arc, or FIGURE of the first one: " \
+      "dent.contrast_to_noise, mtf50; may be repeated") \
+    X(list, until, "until", 0, "NAME=U", MCV_IN_SWEEP, NULL, 0, 0, \
+      "render until the standard uncertainty of this metric is at most U, and that of every " \
+      "other metric with --until at most its own, within --spp and --time; may be repeated") \
+    X(choice, in, "in", 0, "image|emd-gradient", MCV_IN_SWEEP, "image", 0, 0, \
+      "measure in the image, or in the Earth Mover's gradient of a light field image") \
+    X(text, table, "output", 'o', "F.csv", MCV_IN_SWEEP, NULL, 0, 0, \
+      "the table; by default RIG-sweep.csv or EXPERIMENT-sweep.csv. Beside it are written " \
+      "F.json, the experiment, and F.html, the page") \
+    X(text, images, "images", 0, "FOLDER", MCV_IN_SWEEP, NULL, 0, 0, \
+      "keep the image of each set in this folder, as OpenEXR") \
+    X(flag, resume, "resume", 0, NULL, MCV_IN_SWEEP, NULL, 0, 0, \
+      "continue a table; scene and experiment must be the same") \
+    X(flag, again, "force", 0, NULL, MCV_IN_SWEEP, NULL, 0, 0, \
+      "begin an existing table again; its rows are lost") \
+    X(text, processed, "output", 'o', "F.png|F.exr", MCV_IN_LIGHTFIELD, NULL, 0, 0, \
+      "the file to write: a picture, or the values as OpenEXR; views keep their colours, the " \
+      "gradient has pseudo-colours") \
+    X(text, picture, "png", 0, "F.png", MCV_IN_LIGHTFIELD, NULL, 0, 0, \
+      "the picture beside an OpenEXR output") \
+    X(choice, form, "form", 0, "normalized|mass", MCV_IN_LIGHTFIELD | MCV_IN_SWEEP, "normalized", \
+      0, 0, \
+      "for emd-gradient: normalized, macro pixels of mass 1, which show deflection only; or " \
+      "mass, macro pixels with their brightness, which show absorption too") \
+    X(number, scale_end, "scale-end", 0, "V", MCV_IN_LIGHTFIELD, NULL, 0, 1e30, \
+      "for emd-gradient: the value with the last colour, to compare pictures; by default 99.5 " \
+      "% of the macro pixels lie below it") \
+    X(size, angular, "angular", 0, "JxK", MCV_IN_LIGHTFIELD, NULL, 1, 256, \
+      "pixels of a macro pixel, for images whose header does not state it") \
+    X(list, set, "set", 0, "PATH=VALUE", \
+      MCV_IN_RENDERS | MCV_IN_CHECK | MCV_IN_TRACE | MCV_IN_MEASURE | MCV_IN_COMPARE, NULL, 0, 0, \
+      "change the scene, as in --set sensors/cam/fNumber=8 or --set " \
+      "emitters/back/halfAngle=0.2deg; may be repeated") \
+    X(text, html, "html", 0, "F.html", MCV_IN_CHECK, NULL, 0, 0, \
+      "also draw the set-up: a page with each sensor's view from the side and from above, " \
+      "with rays, field, focus, depth of field, lights and dimensions, and the findings") \
+    X(flag, defines, "defines", 0, NULL, MCV_IN_CHECK, NULL, 0, 0, \
+      "print the -D options that specialise the scene's OpenCL programs; without a scene, " \
+      "those with all features") \
+    X(flag, json, "json", 0, NULL, \
+      MCV_IN_RENDERS | MCV_IN_CHECK | MCV_IN_COMPARE | MCV_IN_CAMERA | MCV_IN_MEASURE | \
+          MCV_IN_LIGHTFIELD | MCV_IN_DEVICES | MCV_IN_HELP, \
+      NULL, 0, 0, \
+      "print JSON in SI units; render prints one object per sensor, each on one line; help " \
+      "prints a schema of the options")
+
+#endif

@@ -1,0 +1,139 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* From a film to a picture, with what is needed to repeat the render. */
+#include "verbs/render_picture.h"
+
+#include "io/exr_make.h"
+#include "io/picture_header.h"
+#include "scene/camera_model.h"
+#include "scene/sensor_find.h"
+
+#include <inttypes.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+const char *mcv_rendered_quantity(const mcv_scene *scene, uint32_t sensor) {
+    return mcv_sensor_measures_irradiance(scene->sensors + sensor) ? "irradiance" : "radiance";
+}
+
+const char *mcv_rendered_unit(const mcv_scene *scene, uint32_t sensor) {
+    return mcv_sensor_measures_irradiance(scene->sensors + sensor) ? "W/m^2" : "W/(m^2 sr)";
+}
+
+/* --- parts --- */
+
+/* The means of one replicate, named "replicate 0" …. */
+static mcv_result add_replicate(const mcv_film *film, uint32_t replicate, mcv_exr *exr,
+                                mcv_error *error) {
+    char name[32];
+    mcv_image image;
+    snprintf(name, sizeof name, MCV_PICTURE_REPLICATE, replicate);
+    MCV_TRY(mcv_image_new(&image, film->width, film->height, film->channels, error));
+    const size_t count = (size_t)film->width * film->height * film->channels;
+    for (size_t i = 0; i < count; ++i)
+        image.pixels[i] = (float)(film->sums[replicate * count + i] / (double)film->samples);
+    return mcv_exr_add_part(exr, name, image, NULL, error);
+}
+
+/* The number of samples of each pixel. */
+static mcv_result add_samples(const mcv_film *film, mcv_exr *exr, mcv_error *error) {
+    mcv_image image;
+    MCV_TRY(mcv_image_new(&image, film->width, film->height, 1, error));
+    for (uint32_t row = 0; row < film->height; ++row)
+        for (uint32_t column = 0; column < film->width; ++column)
+            image.pixels[(size_t)row * film->width + column] =
+                (float)mcv_film_samples_at(film, column, row);
+    return mcv_exr_add_part(exr, "samples", image, NULL, error);
+}
+
+static mcv_result add_parts(const mcv_rendered *r, mcv_exr *exr, mcv_error *error) {
+    const mcv_film *film = r->film;
+    mcv_image mean, deviation = {0};
+    /* One replicate has no spread, so its error is not known. */
+    const bool several = film->replicates > 1;
+    MCV_TRY(mcv_film_develop(film, &mean, several ? &deviation : NULL, error));
+    const mcv_result added = mcv_exr_add_part(exr, "image", mean, NULL, error);
+    if (added != MCV_OK) mcv_image_free(&deviation);
+    MCV_TRY(added);
+    if (several) MCV_TRY(mcv_exr_add_part(exr, "error", deviation, NULL, error));
+    MCV_TRY(mcv_header_describe(r->scene, r->sensor, &exr->parts[0].image, error));
+    for (uint32_t k = 0; k < film->replicates && several && r->replicates; ++k)
+        MCV_TRY(add_replicate(film, k, exr, error));
+    return film->levels ? add_samples(film, exr, error) : MCV_OK;
+}
+
+/* --- attributes --- */
+
+/* All that was set, one a line. The caller frees it. */
+static char *join(mcv_overrides set) {
+    size_t length = 1;
+    for (size_t i = 0; i < set.count; ++i) length += strlen(set.items[i]) + 1;
+    char *text = calloc(1, length), *end = text;
+    for (size_t i = 0; text && i < set.count; ++i) {
+        if (i) *end++ = '\n';
+        end = stpcpy(end, set.items[i]);
+    }
+    return text;
+}
+
+static mcv_attribute text_attribute(const char *name, const char *text) {
+    return (mcv_attribute){.name = name, .text = text};
+}
+
+static mcv_attribute number_attribute(const char *name, double number) {
+    return (mcv_attribute){.name = name, .numbers = {number}, .count = 1};
+}
+
+static mcv_result add_attributes(const mcv_rendered *r, mcv_exr *exr, const char *set,
+                                 mcv_error *error) {
+    static const char *const precisions[] = {"single", "mixed", "double"};
+    const mcv_render_options *options = r->options;
+    const mcv_render_stats *stats = r->stats;
+    const mcv_film *film = r->film;
+    const mcv_sensor *sensor = r->scene->sensors + r->sensor;
+    char hash[32], names[MCV_PICTURE_PARAMETERS][MCV_EXR_ATTRIBUTE_NAME];
+    mcv_attribute parameters[MCV_PICTURE_PARAMETERS];
+    snprintf(hash, sizeof hash, "%016" PRIx64, r->hash);
+    const mcv_attribute general[] = {
+        text_attribute("mcvisi:version", mcv_version()),
+        text_attribute("mcvisi:quantity", mcv_rendered_quantity(r->scene, r->sensor)),
+        text_attribute("mcvisi:unit", mcv_rendered_unit(r->scene, r->sensor)),
+        text_attribute("mcvisi:scene", r->scene->path),
+        text_attribute("mcvisi:sceneFNV1a", hash),
+        text_attribute("mcvisi:set", set),
+        text_attribute("mcvisi:sensor", sensor->name),
+        number_attribute("mcvisi:sensorIndex", r->sensor),
+        text_attribute("mcvisi:sampler",
+                       options->sampler == MCV_SAMPLER_RANDOM ? "random" : "sobol"),
+        text_attribute("mcvisi:sampling", film->levels ? "adaptive" : "uniform"),
+        number_attribute("mcvisi:seed", options->seed),
+        number_attribute("mcvisi:replicates", film->replicates),
+        number_attribute("mcvisi:firstSample", (double)options->first),
+        number_attribute("mcvisi:samplesPerReplicate", (double)film->samples),
+        number_attribute("mcvisi:errorFreedom", film->replicates - 1.0),
+        number_attribute("mcvisi:depth", options->depth),
+        text_attribute("mcvisi:precision", precisions[options->precision]),
+        text_attribute("mcvisi:device", stats->device),
+        text_attribute("mcvisi:driver", stats->driver),
+        text_attribute("mcvisi:features", stats->features),
+        number_attribute("mcvisi:lostEnergy", stats->lost_energy),
+        number_attribute("mcvisi:nonfinite", (double)stats->nonfinite),
+        number_attribute("mcvisi:seconds", stats->seconds_render),
+        text_attribute(MCV_CAMERA_MODEL_KEY, exr->parts[0].image.description),
+    };
+    MCV_TRY(mcv_exr_set_attributes(exr, general, sizeof general / sizeof general[0], error));
+    const uint32_t count = mcv_header_attributes(sensor, parameters, names);
+    return mcv_exr_set_attributes(exr, parameters, count, error);
+}
+
+mcv_result mcv_rendered_develop(const mcv_rendered *r, mcv_exr *exr, mcv_error *error) {
+    *exr = (mcv_exr){0};
+    char *set = join(r->set);
+    mcv_result result =
+        set ? add_parts(r, exr, error)
+            : mcv_fail(error, MCV_FAILED, "%s: no memory for its header", r->scene->path);
+    if (result == MCV_OK) result = add_attributes(r, exr, set, error);
+    free(set);
+    if (result != MCV_OK) mcv_exr_free(exr);
+    return result;
+}

@@ -1,0 +1,129 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "verbs/sweep.h"
+
+#include "reference/reference.h"
+#include "verbs/grey_picture.h"
+#include "verbs/places.h"
+#include "verbs/render_picture.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+mcv_result mcv_sweep_experiment(const mcv_command *c, mcv_experiment *experiment,
+                                mcv_error *error) {
+    *experiment =
+        (mcv_experiment){.set = {c->set.items, c->set.count},
+                         .sensor = c->sensor,
+                         .resolution = {c->resolution[0], c->resolution[1]},
+                         .variation = {.vary = mcv_texts_of(&c->vary),
+                                       .tie = mcv_texts_of(&c->tie),
+                                       .where = mcv_texts_of(&c->where),
+                                       .design = (int)c->design,
+                                       .points = (size_t)c->points,
+                                       .seed = (uint32_t)c->design_seed},
+                         .measuring = {.metrics = mcv_texts_of(&c->metric),
+                                       .until = mcv_texts_of(&c->until),
+                                       .places = mcv_places_of(c),
+                                       .camera = mcv_camera_settings_of(c),
+                                       .channel = c->channel,
+                                       .in_gradient = c->in != 0,
+                                       .form = c->form ? MCV_EMD_MASS : MCV_EMD_NORMALIZED,
+                                       .threads = (uint32_t)c->threads},
+                         .render_with = mcv_wants_reference(c) ? mcv_reference_render : NULL,
+                         .images = c->images,
+                         .resume = c->resume,
+                         .force = c->again};
+    if (c->resume && c->again)
+        return mcv_fail(error, MCV_USAGE, "--force begins the table again: leave out --resume");
+    return mcv_render_options_read(c, &experiment->render, error);
+}
+
+json_t *mcv_sweep_settings(const mcv_command *command) {
+    static const char *const without[] = {"output",  "images",   "resume", "force", "device",
+                                          "threads", "schedule", "json",   NULL};
+    return mcv_command_json(command, without);
+}
+
+/* --- what is told --- */
+
+/* JSON has neither NaN nor infinity. */
+static json_t *number(double value) { return isfinite(value) ? json_real(value) : json_null(); }
+
+static json_t *parameters_json(const mcv_sweep *s, const double *row) {
+    json_t *where = json_object();
+    for (size_t i = 0; i < s->plan.count; ++i)
+        json_object_set_new(where, s->plan.parameters[i].name, json_real(row[i]));
+    return where;
+}
+
+/* {"value": …, "uncertainty": …, "set": …, "parameters": {…}} */
+static json_t *describe_row(const mcv_sweep *s, size_t metric, const double *row) {
+    const double *q = row + mcv_row_metric(&s->table, metric);
+    json_t *point = json_object();
+    json_object_set_new(point, "value", json_real(q[0]));
+    json_object_set_new(point, "uncertainty", number(q[1]));
+    json_object_set_new(point, "set",
+                        json_integer((json_int_t)row[mcv_row_fixed(&s->table, MCV_ROW_SET)]));
+    json_object_set_new(point, "parameters", parameters_json(s, row));
+    return point;
+}
+
+/* Where each metric is largest and smallest. */
+static json_t *extremes_json(const mcv_sweep *s) {
+    static const char *const words[2] = {"smallest", "largest"};
+    json_t *all = json_object();
+    for (size_t i = 0; i < s->measurement.count; ++i) {
+        const double *extremes[2];
+        json_t *of = json_object();
+        mcv_table_extremes(&s->table, i, extremes);
+        for (int k = 0; k < 2 && extremes[0]; ++k)
+            json_object_set_new(of, words[k], describe_row(s, i, extremes[k]));
+        json_object_set_new(all, s->measurement.metrics[i].name, of);
+    }
+    return all;
+}
+
+mcv_result mcv_sweep_json(const mcv_sweep *s, double spent, char **text, mcv_error *error) {
+    const mcv_table *table = &s->table;
+    json_t *document = json_object();
+    if (table->path[0]) {
+        json_object_set_new(document, "table", json_string(table->path));
+        json_object_set_new(document, "page", json_string(table->page));
+        json_object_set_new(document, "experiment", json_string(table->sidecar));
+    }
+    json_object_set_new(document, "rows", json_integer((json_int_t)table->row_count));
+    json_object_set_new(document, "failed", json_integer((json_int_t)mcv_table_failed(table)));
+    json_object_set_new(document, "seconds", json_real(spent));
+    json_object_set_new(document, "stage_seconds", json_real(s->stage_seconds));
+    json_object_set_new(document, "assets_read",
+                        json_integer((json_int_t)mcv_asset_cache_reads(s->assets)));
+    json_object_set_new(document, "structures_built", json_integer((json_int_t)s->built));
+    json_object_set_new(document, "programs_built", json_integer((json_int_t)s->compiled));
+    json_object_set_new(document, "metrics", extremes_json(s));
+    *text = json_dumps(document, JSON_COMPACT);
+    json_decref(document);
+    return *text ? MCV_OK : mcv_fail(error, MCV_FAILED, "no memory for the report");
+}
+
+char *mcv_sweep_row_json(const mcv_sweep *s, const double *row, const char *message) {
+    const mcv_table *table = &s->table;
+    json_t *document = json_object(), *metrics = json_object();
+    for (size_t i = 0; i < s->measurement.count; ++i) {
+        const double *q = row + mcv_row_metric(table, i);
+        json_object_set_new(
+            metrics, s->measurement.metrics[i].name,
+            json_pack("{s:o, s:o}", "value", number(q[0]), "uncertainty", number(q[1])));
+    }
+    json_object_set_new(document, "set",
+                        json_integer((json_int_t)row[mcv_row_fixed(table, MCV_ROW_SET)]));
+    json_object_set_new(document, "sets", json_integer((json_int_t)s->plan.wanted));
+    json_object_set_new(document, "parameters", parameters_json(s, row));
+    json_object_set_new(document, "metrics", metrics);
+    json_object_set_new(document, "samples", number(row[mcv_row_fixed(table, MCV_ROW_SAMPLES)]));
+    json_object_set_new(document, "error", number(row[mcv_row_fixed(table, MCV_ROW_ERROR)]));
+    json_object_set_new(document, "seconds", number(row[mcv_row_fixed(table, MCV_ROW_SECONDS)]));
+    json_object_set_new(document, "message", message ? json_string(message) : json_null());
+    char *text = json_dumps(document, JSON_COMPACT);
+    json_decref(document);
+    return text;
+}

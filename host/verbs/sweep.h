@@ -1,0 +1,23 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What `mcvisi sweep` does, as JSON; and its experiment by the options. */
+#ifndef MCVISI_HOST_VERBS_SWEEP_H
+#define MCVISI_HOST_VERBS_SWEEP_H
+
+#include "experiment/experiment.h"
+#include "options/command.h"
+
+/* The experiment that the options tell, without a scene, files, settings and calls. Texts are the
+ * command's. */
+mcv_result mcv_sweep_experiment(const mcv_command *command, mcv_experiment *experiment,
+                                mcv_error *error);
+
+/* What stands beside the scene in the experiment's file; NULL without memory. */
+json_t *mcv_sweep_settings(const mcv_command *command);
+
+/* The whole in the end, on one line; the caller frees it. `spent`: seconds. */
+mcv_result mcv_sweep_json(const mcv_sweep *sweep, double spent, char **text, mcv_error *error);
+
+/* A row as it is appended, as the public header describes it; NULL without memory. */
+char *mcv_sweep_row_json(const mcv_sweep *sweep, const double *row, const char *message);
+
+#endif

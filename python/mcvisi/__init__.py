@@ -1,0 +1,56 @@
+# SPDX-License-Identifier: Apache-2.0
+"""
+MC ViSi: simulation of machine-vision systems.
+
+    import mcvisi as mv
+    rig = mv.new("telecentric", "part.stl", unit="mm")
+    rig["sensors/camera/fNumber"] = 8
+    image = rig.render(error=0.01, time=30)
+    image.save("part.exr")
+
+A rig is a scene: camera, lights and parts. An image holds values and the standard error of each.
+Lengths are in metres, angles in radians, times in seconds, unless a text gives a unit.
+Failures are exceptions with one sentence: mcvisi.Error and its classes.
+"""
+
+from mcvisi._verbs import import_lens, new
+from mcvisi._version import __version__
+from mcvisi.errors import BadInput, DeviceError, Error, PathError, UsageError
+from mcvisi.findings import Finding, Findings
+from mcvisi.image import Comparison, Image, compare, read
+from mcvisi.measurement import Figures, Measurement, Value
+from mcvisi.options import linear, log
+from mcvisi.rig import Group, Rig
+from mcvisi.rigs import load
+from mcvisi.session import Progress, Session, devices
+from mcvisi.sweep import Row, Sweep
+
+__all__ = [
+    "BadInput",
+    "Comparison",
+    "DeviceError",
+    "Error",
+    "Figures",
+    "Finding",
+    "Findings",
+    "Group",
+    "Image",
+    "Measurement",
+    "PathError",
+    "Progress",
+    "Rig",
+    "Row",
+    "Session",
+    "Sweep",
+    "UsageError",
+    "Value",
+    "__version__",
+    "compare",
+    "devices",
+    "import_lens",
+    "linear",
+    "load",
+    "log",
+    "new",
+    "read",
+]

