@@ -66,13 +66,11 @@ intersect_any(__global const mcv_node *nodes, __global const mcv_leaf *leaves,
         } \
     }
 
-/* All rays together, each alone, and as the stages of the tile schedule do. */
-MCV_TRACE_RAYS(mcv_closest_together, 0, INFINITY, 0.0f)
-MCV_TRACE_RAYS(mcv_any_together, 1, INFINITY, 0.0f)
-MCV_TRACE_RAYS(mcv_closest_alone, 0, -1.0f, -1.0f)
-MCV_TRACE_RAYS(mcv_any_alone, 1, -1.0f, -1.0f)
-MCV_BATCH_KERNEL(intersect_closest_together, mcv_closest_together, mcv_hit, )
-MCV_BATCH_KERNEL(intersect_any_together, mcv_any_together, int, .triangle != MCV_NONE)
+/* All rays together, as the stages of the tile schedule do, and each alone. */
+MCV_TRACE_RAYS(mcv_closest_alone, 0, 0)
+MCV_TRACE_RAYS(mcv_any_alone, 1, 0)
+MCV_BATCH_KERNEL(intersect_closest_together, mcv_intersect_closest_rays, mcv_hit, )
+MCV_BATCH_KERNEL(intersect_any_together, mcv_intersect_any_rays, int, .triangle != MCV_NONE)
 MCV_BATCH_KERNEL(intersect_closest_alone, mcv_closest_alone, mcv_hit, )
 MCV_BATCH_KERNEL(intersect_any_alone, mcv_any_alone, int, .triangle != MCV_NONE)
 MCV_BATCH_KERNEL(closest_many, mcv_intersect_closest_rays, mcv_hit, )

@@ -1,10 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Many rays through the hierarchy. Where they go much the same way, they go together (J. A. Tsakok,
- * Faster Incoherent Rays: Multi-BVH Ray Stream Tracing, HPG 2009): a node or a leaf is visited
- * once, with a list of all rays that enter it, and a leaf is tested with many of them side by side.
- * Rays that go their own ways, and those that few others accompany, go alone
- * (traverse/stragglers.h).
+ * Many rays through the hierarchy together (J. A. Tsakok, Faster Incoherent Rays: Multi-BVH Ray
+ * Stream Tracing, HPG 2009): a node or a leaf is visited once, with a list of all rays that enter
+ * it, and a leaf is tested with many of them side by side. Rays that few others accompany go on
+ * alone (traverse/stragglers.h).
  *
  * They find what they find alone, to the last bit: a triangle is tested by the same arithmetic, and
  * boxes only leave out what cannot be hit (traverse/ray_frame.h; any superset of the leaves in any
@@ -23,11 +22,6 @@
 /* So many of a packet wait for company in turns; the sooner they have gone, the sooner their hits
  * spare the packet nodes. */
 #define MCV_STRAGGLERS 32u
-
-/* Where slopes differ by no more, or origins by no more than this share of the scene's size, rays
- * enter many of the same nodes. */
-#define MCV_PACKET_SPREAD 0.25f
-#define MCV_PACKET_PLACE 0.03125f
 
 /* A child that waits: its node's level, and which of its children it is. */
 typedef struct mcv_packet_child {
@@ -121,51 +115,16 @@ MCV_LOOP_FUNCTION void mcv_visit_node(__global const mcv_node *nodes,
     p->depth = depth;
 }
 
-/* By how much the slopes of the rays differ; infinite where their main axes do. */
-MCV_LOOP_FUNCTION float mcv_spread_of(const mcv_packet *p, uint count) {
-    float least[2] = {INFINITY, INFINITY}, most[2] = {-INFINITY, -INFINITY};
-    uint axes = 0, signs = 0;
-    for (uint i = 0; i < count; ++i) {
-        axes |= p->main_axis[i] ^ p->main_axis[0];
-        signs |= as_uint(p->scale[i]) ^ as_uint(p->scale[0]);
-#pragma unroll
-        for (int k = 0; k < 2; ++k) {
-            least[k] = min(least[k], p->slope[k][i]);
-            most[k] = max(most[k], p->slope[k][i]);
-        }
-    }
-    if (axes | signs >> 31) return INFINITY;
-    return max(most[0] - least[0], most[1] - least[1]);
-}
-
-/* By how much the origins differ. */
-MCV_LOOP_FUNCTION float mcv_origins_spread(mcv_rows origins, const uint *numbers, uint count) {
-    float spread = 0.0f;
-#pragma unroll
-    for (uint k = 0; k < 3; ++k) {
-        float least = INFINITY, most = -INFINITY;
-        for (uint i = 0; i < count; ++i) {
-            const float x =
-                as_float(origins.base[numbers[i] * origins.step + k * origins.component]);
-            least = min(least, x);
-            most = max(most, x);
-        }
-        spread = max(spread, most - least);
-    }
-    return spread;
-}
-
 /* The hits of at most MCV_PACKET rays, all of finite origin. */
 MCV_LOOP_FUNCTION void mcv_trace_packet(__global const mcv_node *nodes,
                                         __global const mcv_leaf *leaves, mcv_rows origins,
                                         mcv_rows directions, const uint *numbers, uint count,
-                                        int any, float spread, float place, mcv_hits hits) {
+                                        int any, int together, mcv_hits hits) {
     mcv_packet_traversal p;
     mcv_straggler stragglers[MCV_PACKET];
     uint alone = 0;
     mcv_packet_setup(origins, directions, numbers, count, nodes->extent, hits, &p.rays);
-    if (mcv_spread_of(&p.rays, count) <= spread ||
-        mcv_origins_spread(origins, numbers, count) <= place * nodes->extent) {
+    if (together) {
         mcv_begin_packet(count, any, &p);
     } else {
         p.depth = 0;
@@ -195,10 +154,10 @@ MCV_LOOP_FUNCTION void mcv_trace_packet(__global const mcv_node *nodes,
 /*
  * The hits of the rays numbers[0 … count - 1]: the closest or, where any hit will do, one of them,
  * of which only the triangle is known. On entry they are misses (mcv_miss) or what else the rays
- * have hit, which stays where nothing closer is hit. Rays whose slopes differ by at most `spread`
- * go together, and so do those whose origins lie within `place` times the scene's size.
+ * have hit, which stays where nothing closer is hit. `together` is a constant: 0 lets each ray go
+ * alone from the root.
  */
-#define MCV_TRACE_RAYS(name, any, spread, place) \
+#define MCV_TRACE_RAYS(name, any, together) \
     static inline __attribute__((noinline)) void name( \
         __global const mcv_node *nodes, __global const mcv_leaf *leaves, mcv_rows origins, \
         mcv_rows directions, const uint *numbers, uint count, mcv_hits hits) { \
@@ -208,9 +167,9 @@ MCV_LOOP_FUNCTION void mcv_trace_packet(__global const mcv_node *nodes,
         } \
         for (uint first = 0; first < count; first += MCV_PACKET) \
             mcv_trace_packet(nodes, leaves, origins, directions, numbers + first, \
-                             min(count - first, (uint)MCV_PACKET), any, spread, place, hits); \
+                             min(count - first, (uint)MCV_PACKET), any, together, hits); \
     }
-MCV_TRACE_RAYS(mcv_intersect_closest_rays, 0, MCV_PACKET_SPREAD, MCV_PACKET_PLACE)
-MCV_TRACE_RAYS(mcv_intersect_any_rays, 1, MCV_PACKET_SPREAD, MCV_PACKET_PLACE)
+MCV_TRACE_RAYS(mcv_intersect_closest_rays, 0, 1)
+MCV_TRACE_RAYS(mcv_intersect_any_rays, 1, 1)
 
 #endif

@@ -10,6 +10,7 @@ commit that made them. Elsewhere the script builds that commit and renders with 
     same_bits.py PROGRAM --scenes caustic,prism    only these
 """
 import argparse
+import functools
 import hashlib
 import json
 import pathlib
@@ -78,10 +79,17 @@ def scenes(names):
     return [p for p in found if not names or p.stem in names]
 
 
+@functools.cache
+def light_paths_by_rule(program):
+    """A pilot decides how many light paths a render has: here what they bring is compared."""
+    known = subprocess.run([program, "help", "render"], stdout=subprocess.PIPE, text=True, check=False).stdout
+    return ["--light-paths", "on"] if "--light-paths" in known else []  # older programs follow the rule
+
+
 def render(program, scene, sensor, schedule, folder):
     """What the program says of a small image, whose digest is to be taken."""
     command = [program, "render", str(scene), "--sensor", sensor["name"], "--schedule", schedule, *OPTIONS]
-    command += ["-o", str(pathlib.Path(folder) / "image.exr")]
+    command += [*light_paths_by_rule(program), "-o", str(pathlib.Path(folder) / "image.exr")]
     small = ["--resolution", RESOLUTIONS.get(sensor["type"], RESOLUTION)]
     for options in (small, []):
         done = subprocess.run(command + options, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, check=False)

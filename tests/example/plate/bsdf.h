@@ -6,15 +6,14 @@
 
 #include "bsdf/sheet.h"
 
-#if MCV_WITH_SHEET
 /*
  * One of the two ways on by xi in [0, 1), and *other the other one: a path may follow both. Each
  * has the chance with which it is chosen, and a factor: its share by channel over that chance. The
  * chances add up to 1. mcv_plate_interface knows what the plate lies in.
  */
-static mcv_scattering mcv_scatter_filter_glass(mcv_world world, mcv_interaction interaction,
-                                               uint material, uint media, float xi,
-                                               mcv_scattering *other) {
+MCV_FUNCTION mcv_scattering mcv_scatter_filter_glass(mcv_world world, mcv_interaction interaction,
+                                                     uint material, uint media, float xi,
+                                                     mcv_scattering *other) {
     const mcv_filter_glass glass = world.materials[material].as.filter_glass;
     const mcv_device_interface into = mcv_plate_interface(world, glass.eta, glass.delta, media);
     mcv_scattering reflected = mcv_scatter_mirrored(interaction, media);
@@ -35,6 +34,5 @@ static mcv_scattering mcv_scatter_filter_glass(mcv_world world, mcv_interaction 
     if (most_passed > 0.0f) passed.factor = mcv_dim(passed.factor, 1.0f / passed.chance);
     return mcv_choose_way(reflected, passed, xi < reflected.chance, other);
 }
-#endif
 
 #endif
