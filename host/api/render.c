@@ -127,7 +127,8 @@ static mcv_result join_changes(const mcv_rig *rig, const mcv_command *command, m
     if (changes.count) memcpy(items, changes.items, changes.count * sizeof *items);
     if (command->set.count)
         memcpy(items + changes.count, command->set.items, command->set.count * sizeof *items);
-    *set = (mcv_overrides){items, changes.count + command->set.count};
+    set->items = items;
+    set->count = changes.count + command->set.count;
     return MCV_OK;
 }
 

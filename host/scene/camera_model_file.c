@@ -64,8 +64,8 @@ static const struct {
 
 static double *number_of(mcv_error_cell *cell, int list) {
     return list == 0                ? &cell->level
-           : list < FIRST_EDGE_LIST ? cell->errors + list - 1
-                                    : cell->edges + list - FIRST_EDGE_LIST;
+           : list < FIRST_EDGE_LIST ? &cell->errors[list - 1]
+                                    : &cell->edges[list - FIRST_EDGE_LIST];
 }
 
 static void put_render_error(json_t *object, const mcv_render_error *e) {

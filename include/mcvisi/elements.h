@@ -133,8 +133,10 @@ enum { MCV_MATERIALS(MCV_MATERIAL_ENUM) MCV_MATERIAL_COUNT };
 #if !MCV_ON_DEVICE || MCV_WITH_DIELECTRIC
 #include "mcvisi/materials/dielectric.h"
 #endif
+#if !MCV_ON_DEVICE || MCV_WITH_SHEET
 #include "mcvisi/materials/beam_splitter.h"
 #include "mcvisi/materials/sheet.h"
+#endif
 #if !MCV_ON_DEVICE || MCV_WITH_REFLECTOR
 #include "mcvisi/materials/retroreflector.h"
 #endif

@@ -115,7 +115,9 @@ typedef struct mcv_device_material {
 #if !MCV_ON_DEVICE || MCV_WITH_REFLECTOR
         MCV_SCATTERERS(MCV_X)
 #endif
+#if !MCV_ON_DEVICE || MCV_WITH_SHEET
         MCV_PLATES(MCV_X)
+#endif
 #undef MCV_X
         uint words[8]; /* the most that one has */
     } as;

@@ -10,6 +10,7 @@
 #include "bsdf/sheet.h"
 #include "geometry/contact.h"
 
+#if MCV_WITH_NEXT_EVENT
 /* The direction is unit and leads away from the surface; light that cannot come from there has the
  * response 0. */
 MCV_FUNCTION mcv_response mcv_respond(mcv_world world, mcv_interaction interaction, uint media,
@@ -20,18 +21,24 @@ MCV_FUNCTION mcv_response mcv_respond(mcv_world world, mcv_interaction interacti
     response.value = mcv_grey(0.0f);
     response.density = 0.0f;
     response.media = media;
-    if (MCV_WITH_TRANSLUCENT && type == MCV_MATERIAL_DIFFUSE)
+    (void)direction, (void)type;
+#if MCV_WITH_TRANSLUCENT
+    if (type == MCV_MATERIAL_DIFFUSE)
         return mcv_respond_translucent(world, interaction, material, media, direction);
-    if (MCV_WITH_DIFFUSE && type == MCV_MATERIAL_DIFFUSE)
+#elif MCV_WITH_DIFFUSE
+    if (type == MCV_MATERIAL_DIFFUSE)
         return mcv_respond_diffuse(&interaction,
                                    mcv_material_value(world, interaction.surface, material), media,
                                    direction);
-    if (MCV_WITH_GLOSS && mcv_is_rough(world, &interaction, media)) {
+#endif
+#if MCV_WITH_GLOSS
+    if (mcv_is_rough(world, &interaction, media)) {
         mcv_gloss_interaction room;
         const mcv_gloss_interaction *m =
             mcv_known_gloss(world, &interaction, material, media, &room);
         return mcv_respond_gloss(world, &interaction, material, m, direction);
     }
+#endif
 #if MCV_WITH_REFLECTOR
 #define MCV_X(name, key, NAME) \
     if (type == MCV_MATERIAL_##NAME) \
@@ -41,7 +48,9 @@ MCV_FUNCTION mcv_response mcv_respond(mcv_world world, mcv_interaction interacti
 #endif
     return response;
 }
+#endif
 
+#if MCV_WITH_LIGHT_TRACING
 MCV_LOOP_FUNCTION int mcv_is_connectable(mcv_world world, mcv_interaction interaction) {
     return world.materials[world.instances[interaction.surface.instance].material].connectable;
 }
@@ -57,6 +66,7 @@ MCV_LOOP_FUNCTION int mcv_is_plate(mcv_world world, mcv_interaction interaction)
     return 0 MCV_PLATES(MCV_X);
 #undef MCV_X
 }
+#endif
 
 /*
  * Chooses how the path continues. *other: the other way of a smooth surface that has two and, if
@@ -67,44 +77,61 @@ MCV_FUNCTION mcv_scattering mcv_scatter(mcv_world world, mcv_interaction interac
                                         mcv_scattering *other) {
     const mcv_device_instance instance = world.instances[interaction.surface.instance];
     const mcv_device_material material = world.materials[instance.material];
-    const uint type = material.type;
     mcv_scattering scattering = mcv_scatter_into(interaction.direction, media, MCV_EVENT_END);
     scattering.factor = mcv_grey(0.0f);
     *other = scattering;
     other->chance = 0.0f;
-    if (MCV_WITH_GLOSS && mcv_is_rough(world, &interaction, media)) {
+    (void)pair, (void)choice, (void)splits, (void)unmatched;
+#if MCV_WITH_GLOSS
+    if (mcv_is_rough(world, &interaction, media)) {
         if (MCV_WITH_DIELECTRIC && instance.medium != 0 &&
             mcv_cross_surface(world, &interaction, media).before != media)
             *unmatched += 1u;
         return mcv_scatter_gloss(world, interaction, instance.material, media, pair, choice, splits,
                                  other);
     }
-    if (MCV_WITH_GLOSS && type == MCV_MATERIAL_CONDUCTOR)
+#endif
+    switch (material.type) {
+#if MCV_WITH_GLOSS
+    case MCV_MATERIAL_CONDUCTOR:
         return mcv_scatter_conductor(world, interaction, instance.material, media);
-    if (MCV_WITH_DIELECTRIC && type == MCV_MATERIAL_DIELECTRIC)
+#endif
+#if MCV_WITH_DIELECTRIC
+    case MCV_MATERIAL_DIELECTRIC:
         return mcv_scatter_dielectric(world, interaction, media, pair.x, unmatched, other);
+#endif
 #if MCV_WITH_REFLECTOR
 #define MCV_X(name, key, NAME) \
-    if (type == MCV_MATERIAL_##NAME) \
+    case MCV_MATERIAL_##NAME: \
         return mcv_scatter_##name(world, interaction, instance.material, media, pair, choice);
-    MCV_SCATTERERS(MCV_X)
+        MCV_SCATTERERS(MCV_X)
 #undef MCV_X
 #endif
-    if (MCV_WITH_TRANSLUCENT && type == MCV_MATERIAL_DIFFUSE)
+#if MCV_WITH_TRANSLUCENT
+    case MCV_MATERIAL_DIFFUSE:
         return mcv_scatter_translucent(world, interaction, instance.material, media, pair, choice);
+#elif MCV_WITH_DIFFUSE
+    case MCV_MATERIAL_DIFFUSE:
+        return mcv_scatter_diffuse(
+            interaction, mcv_material_value(world, interaction.surface, instance.material), media,
+            pair);
+#endif
+#if MCV_WITH_SHEET
 #define MCV_X(name, key, NAME) \
-    if (MCV_WITH_SHEET && type == MCV_MATERIAL_##NAME) \
+    case MCV_MATERIAL_##NAME: \
         return mcv_scatter_##name(world, interaction, instance.material, media, pair.x, other);
-    MCV_PLATES(MCV_X)
+        MCV_PLATES(MCV_X)
 #undef MCV_X
-    const mcv_color value = mcv_material_value(world, interaction.surface, instance.material);
-    if (MCV_WITH_DIFFUSE && type == MCV_MATERIAL_DIFFUSE)
-        return mcv_scatter_diffuse(interaction, value, media, pair);
-    if (MCV_WITH_MIRROR && type == MCV_MATERIAL_MIRROR) {
+#endif
+#if MCV_WITH_MIRROR
+    case MCV_MATERIAL_MIRROR:
         scattering = mcv_scatter_mirrored(interaction, media);
-        scattering.factor = value;
+        scattering.factor = mcv_material_value(world, interaction.surface, instance.material);
+        return scattering;
+#endif
+    default:
+        return scattering; /* absorbed */
     }
-    return scattering; /* else absorbed */
 }
 
 #endif

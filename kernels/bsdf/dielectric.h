@@ -21,8 +21,10 @@ MCV_LOOP_FUNCTION mcv_crossing mcv_cross_surface(mcv_world world,
     const uint bit = 1u << (world.instances[interaction->surface.instance].medium - 1u);
     uint exited = interaction->inside ? bit : 0u,
          entered = interaction->inside ? 0u : bit; /* media of the bodies that the surface bounds */
-    exited |= MCV_WITH_CONTACT ? interaction->exited : 0u;
-    entered |= MCV_WITH_CONTACT ? interaction->entered : 0u;
+#if MCV_WITH_CONTACT
+    exited |= interaction->exited;
+    entered |= interaction->entered;
+#endif
     /* The body in contact, on the other side. */
     if (mcv_is_exact(interaction->surface.triangle) && interaction->surface.u > 0.0f) {
         const uint other =
@@ -46,6 +48,7 @@ MCV_LOOP_FUNCTION mcv_crossing mcv_cross_surface(mcv_world world,
     return crossing;
 }
 
+#if MCV_WITH_DIELECTRIC
 /* Where light goes that passes a surface behind which it has the cosine c2 > 0 to its normal. */
 MCV_LOOP_FUNCTION mcv_vec3 mcv_refracted(mcv_device_interface between, mcv_interaction interaction,
                                          float cosine, float c2) {
@@ -81,5 +84,6 @@ MCV_LOOP_FUNCTION mcv_scattering mcv_scatter_dielectric(mcv_world world,
     refracted.chance = 1.0f - reflectance;
     return mcv_choose_way(reflected, refracted, total | (xi < reflectance), other);
 }
+#endif
 
 #endif

@@ -4,21 +4,21 @@
 #define MCVISI_KERNELS_DIFFUSE_H
 
 #include "bsdf/scattering.h"
-#include "mcvisi/materials/diffuse.h"
-#include "path/camera_path.h"
 #include "path/sampler.h"
 
+#if MCV_WITH_DIFFUSE
 MCV_LOOP_FUNCTION mcv_scattering mcv_scatter_diffuse(mcv_interaction interaction,
                                                      mcv_color reflectance, uint media,
                                                      mcv_pair pair) {
     mcv_scattering scattering = mcv_scatter_into(interaction.direction, media, MCV_EVENT_END);
-    if (MCV_TILE && interaction.bounces) {
+#if MCV_TILE
+    if (interaction.bounces) {
         scattering.direction = interaction.bounce;
         scattering.density = interaction.bounce_density;
-    } else {
+    } else
+#endif
         scattering.direction =
             mcv_diffuse_sample(interaction.normal, pair.x, pair.y, &scattering.density);
-    }
     const int reflects = mcv_dot(scattering.direction, interaction.face) > 0.0f;
     MCV_EACH_CHANNEL(i) scattering.factor.c[i] = reflects ? reflectance.c[i] : 0.0f;
     return scattering;
@@ -37,16 +37,19 @@ MCV_LOOP_FUNCTION mcv_response mcv_respond_diffuse(const mcv_interaction *intera
     return response;
 }
 
+#if MCV_WITH_TRANSLUCENT
 /* The side is chosen by the two shares; what lies beyond is seen from behind. */
-MCV_FUNCTION mcv_scattering mcv_scatter_translucent(mcv_world world, mcv_interaction interaction,
-                                                    uint material, uint media, mcv_pair pair,
-                                                    float choice) {
+static mcv_scattering mcv_scatter_translucent(mcv_world world, mcv_interaction interaction,
+                                              uint material, uint media, mcv_pair pair,
+                                              float choice) {
     const float chance = world.materials[material].chance;
     const int through = choice >= chance;
     if (through) {
         interaction.normal = mcv_scale(interaction.normal, -1.0f);
         interaction.face = mcv_scale(interaction.face, -1.0f);
+#if MCV_TILE
         interaction.bounces = 0; /* that has been worked out for the other side */
+#endif
     }
     const mcv_color share = through ? mcv_material_passed(world, interaction.surface, material)
                                     : mcv_material_value(world, interaction.surface, material);
@@ -75,5 +78,7 @@ MCV_FUNCTION mcv_response mcv_respond_translucent(mcv_world world, mcv_interacti
     response.density *= chance;
     return response;
 }
+#endif
+#endif
 
 #endif

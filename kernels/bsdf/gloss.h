@@ -4,10 +4,11 @@
 #define MCVISI_KERNELS_GLOSS_H
 
 #include "bsdf/dielectric.h"
-#include "bsdf/microfacet.h"
 #include "bsdf/scattering.h"
-#include "path/camera_path.h"
 #include "path/sampler.h"
+
+#if MCV_WITH_GLOSS
+#include "bsdf/microfacet.h"
 
 /* A glossy surface as a ray meets it. */
 typedef struct mcv_gloss_interaction {
@@ -23,7 +24,7 @@ MCV_FUNCTION mcv_vec3 mcv_gloss_local(const mcv_gloss_interaction *m, mcv_vec3 v
 }
 
 /* Whether the material is one of microfacets: a smooth metal is not. */
-MCV_FUNCTION int mcv_is_rough(mcv_world world, const mcv_interaction *interaction, uint media) {
+static int mcv_is_rough(mcv_world world, const mcv_interaction *interaction, uint media) {
     const mcv_device_instance instance = world.instances[interaction->surface.instance];
     const uint type = world.materials[instance.material].type;
     if (!world.materials[instance.material].scattering_sides) return 0;
@@ -78,9 +79,9 @@ MCV_LOOP_FUNCTION mcv_gloss_interaction mcv_make_gloss_interaction_of(
     return m;
 }
 
-MCV_FUNCTION mcv_gloss_interaction mcv_make_gloss_interaction(mcv_world world,
-                                                              const mcv_interaction *interaction,
-                                                              uint material, uint media) {
+static mcv_gloss_interaction mcv_make_gloss_interaction(mcv_world world,
+                                                        const mcv_interaction *interaction,
+                                                        uint material, uint media) {
     const mcv_device_gloss from = world.gloss[material];
     float scale = 1.0f, metallic = 1.0f;
     if (MCV_WITH_TEXTURE && from.texture != MCV_NONE) {
@@ -99,11 +100,13 @@ MCV_FUNCTION const mcv_gloss_interaction *mcv_known_gloss(mcv_world world,
                                                           const mcv_interaction *interaction,
                                                           uint material, uint media,
                                                           mcv_gloss_interaction *room) {
-    if (MCV_TILE && interaction->gloss) {
+#if MCV_TILE
+    if (interaction->gloss) {
         if (*interaction->gloss_known) return interaction->gloss;
         *interaction->gloss_known = 1u;
         room = interaction->gloss;
     }
+#endif
     *room = mcv_make_gloss_interaction(world, interaction, material, media);
     return room;
 }
@@ -126,7 +129,7 @@ MCV_LOOP_FUNCTION mcv_response mcv_respond_gloss_of(mcv_world world,
     return response;
 }
 
-static inline __attribute__((noinline)) mcv_response
+static __attribute__((noinline)) mcv_response
 mcv_respond_gloss(mcv_world world, const mcv_interaction *interaction, uint material,
                   const mcv_gloss_interaction *m, mcv_vec3 direction) {
     const mcv_device_gloss from = world.gloss[material];
@@ -178,9 +181,9 @@ MCV_LOOP_FUNCTION mcv_scattering mcv_split_by_gloss(mcv_world world,
     return on;
 }
 
-MCV_FUNCTION mcv_scattering mcv_scatter_gloss(mcv_world world, mcv_interaction interaction,
-                                              uint material, uint media, mcv_pair pair,
-                                              float choice, int parts, mcv_scattering *other) {
+static mcv_scattering mcv_scatter_gloss(mcv_world world, mcv_interaction interaction, uint material,
+                                        uint media, mcv_pair pair, float choice, int parts,
+                                        mcv_scattering *other) {
     mcv_gloss_interaction room;
     const mcv_device_gloss from = world.gloss[material];
     const mcv_gloss_interaction *m = mcv_known_gloss(world, &interaction, material, media, &room);
@@ -191,8 +194,8 @@ MCV_FUNCTION mcv_scattering mcv_scatter_gloss(mcv_world world, mcv_interaction i
 }
 
 /* A smooth metal. */
-MCV_FUNCTION mcv_scattering mcv_scatter_conductor(mcv_world world, mcv_interaction interaction,
-                                                  uint material, uint media) {
+static mcv_scattering mcv_scatter_conductor(mcv_world world, mcv_interaction interaction,
+                                            uint material, uint media) {
     mcv_scattering scattering = mcv_scatter_mirrored(interaction, media);
     __global const mcv_device_gloss *from = world.gloss + material;
     const float scale = MCV_WITH_DIELECTRIC
@@ -204,5 +207,6 @@ MCV_FUNCTION mcv_scattering mcv_scatter_conductor(mcv_world world, mcv_interacti
                                                    cosine < 1.0f ? cosine : 1.0f);
     return scattering;
 }
+#endif
 
 #endif

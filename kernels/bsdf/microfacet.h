@@ -41,7 +41,8 @@ MCV_LOOP_FUNCTION mcv_lobes mcv_gloss_lobes(const mcv_device_gloss *m, const mcv
     lobes.passing = lobes.more = mcv_grey(0.0f);
     lobes.near_a = lobes.near_b = lobes.far_a = lobes.far_b = mcv_grey(0.0f);
     lobes.far_chance = 0.0f;
-    if (MCV_WITH_DIELECTRIC && gloss->type == MCV_MATERIAL_DIELECTRIC) {
+#if MCV_WITH_DIELECTRIC
+    if (gloss->type == MCV_MATERIAL_DIELECTRIC) {
         /* a: what is missing outside the body, b: inside. */
         const float missing = gloss->inside ? at.b : at.a;
         const float square = gloss->between.eta * gloss->between.eta;
@@ -70,6 +71,7 @@ MCV_LOOP_FUNCTION mcv_lobes mcv_gloss_lobes(const mcv_device_gloss *m, const mcv
         }
         return lobes;
     }
+#endif
     const mcv_albedo mean = mcv_albedo_at(m, gloss, albedos, o, 1);
     const float missing = mean.a > 0.0f ? at.a / mean.a : 0.0f;
     if (gloss->type == MCV_MATERIAL_CONDUCTOR) {
@@ -115,9 +117,11 @@ MCV_LOOP_FUNCTION mcv_color mcv_gloss_fresnel(const mcv_device_gloss *m, const m
                                               float cosine) {
     mcv_color reflected;
     const float c = cosine < 1.0f ? cosine : 1.0f;
-    if (MCV_WITH_DIELECTRIC && gloss->type == MCV_MATERIAL_DIELECTRIC)
+#if MCV_WITH_DIELECTRIC
+    if (gloss->type == MCV_MATERIAL_DIELECTRIC)
         return mcv_grey(
             mcv_interface_reflectance(gloss->between, c, mcv_refracted_cosine(gloss->between, c)));
+#endif
     if (gloss->type == MCV_MATERIAL_CONDUCTOR) {
         MCV_EACH_CHANNEL(i)
         reflected.c[i] =
@@ -178,14 +182,17 @@ MCV_LOOP_FUNCTION mcv_response mcv_gloss_respond(const mcv_device_gloss *m, cons
     const float facets = mcv_ggx_density(gloss->alpha, h) * cosine * jacobian / o.z;
     const float lambda = mcv_ggx_lambda(gloss->alpha, i);
     float seen = facets / (1.0f + lobes->lambda + lambda);
-    if (MCV_WITH_DIELECTRIC && refracts)
-        seen = facets * mcv_opposite_masking(lobes->lambda, lambda);
+#if MCV_WITH_DIELECTRIC
+    if (refracts) seen = facets * mcv_opposite_masking(lobes->lambda, lambda);
+#endif
     MCV_EACH_CHANNEL(k)
     response.value.c[k] = meets ? (far ? passed.c[k] : reflected.c[k]) * seen : 0.0f;
-    if (MCV_WITH_DIELECTRIC && refracts) {
+#if MCV_WITH_DIELECTRIC
+    if (refracts) {
         const float wide = 1.0f / (o.z * (1.0f + lobes->lambda) * (1.0f + lambda));
         MCV_EACH_CHANNEL(k) response.value.c[k] = mcv_fma(multiple.c[k], wide, response.value.c[k]);
     }
+#endif
     response.density =
         meets ? lobes->specular * (far ? 1.0f - chance : chance) * facets / (1.0f + lobes->lambda)
               : 0.0f;

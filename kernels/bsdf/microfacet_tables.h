@@ -159,7 +159,9 @@ MCV_LOOP_FUNCTION mcv_color mcv_gloss_multiple(const mcv_device_gloss *m, const 
                                                __global const float *tables, mcv_color more,
                                                mcv_vec3 o, mcv_vec3 i, int far) {
     mcv_color multiple;
-    if (MCV_WITH_DIELECTRIC && gloss->type == MCV_MATERIAL_DIELECTRIC) {
+    (void)far;
+#if MCV_WITH_DIELECTRIC
+    if (gloss->type == MCV_MATERIAL_DIELECTRIC) {
         const uint words = gloss->inside + (far ? 2u : 0u) + 2u + 2u * MCV_ALBEDO_COSINES;
         const uint known =
             gloss->table != MCV_NONE; /* else it is smooth, and what is read does not count */
@@ -169,6 +171,7 @@ MCV_LOOP_FUNCTION mcv_color mcv_gloss_multiple(const mcv_device_gloss *m, const 
         place.across *= known;
         return mcv_grey(mcv_multiple_word(tables, place));
     }
+#endif
     const mcv_multiple_place place = mcv_find_multiple(MCV_MULTIPLE_COSINES, o, i);
     __global const float *table = tables + m->multiple;
     if (gloss->type == MCV_MATERIAL_CONDUCTOR) {

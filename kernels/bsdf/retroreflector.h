@@ -15,8 +15,8 @@ typedef struct mcv_retroreflection {
     float chance;     /* with which the path returns rather than being scattered diffusely */
 } mcv_retroreflection;
 
-MCV_FUNCTION mcv_retroreflection mcv_retroreflection_at(__global const mcv_device_material *m,
-                                                        mcv_vec3 n, mcv_vec3 o) {
+static mcv_retroreflection mcv_retroreflection_at(__global const mcv_device_material *m, mcv_vec3 n,
+                                                  mcv_vec3 o) {
     mcv_retroreflection back = {mcv_dot(o, n), 0.0f, 0.0f};
     float most = 0.0f, diffuse = 0.0f;
     if (!(back.cosine > 0.0f)) return back;
@@ -31,8 +31,8 @@ MCV_FUNCTION mcv_retroreflection mcv_retroreflection_at(__global const mcv_devic
 }
 
 /* What returns exactly is no part of it. */
-MCV_FUNCTION mcv_response mcv_retroreflector_respond(__global const mcv_device_material *m,
-                                                     mcv_vec3 n, mcv_vec3 o, mcv_vec3 i) {
+static mcv_response mcv_retroreflector_respond(__global const mcv_device_material *m, mcv_vec3 n,
+                                               mcv_vec3 o, mcv_vec3 i) {
     mcv_response response;
     const mcv_retroreflection back = mcv_retroreflection_at(m, n, o);
     const float cosine = mcv_dot(i, n);
@@ -55,8 +55,8 @@ MCV_FUNCTION mcv_response mcv_retroreflector_respond(__global const mcv_device_m
 
 /* A direction with the density that mcv_retroreflector_respond gives, if `returns` has its chance.
  */
-MCV_FUNCTION mcv_vec3 mcv_retroreflector_choose(__global const mcv_device_material *m, mcv_vec3 n,
-                                                mcv_vec3 o, float xi, float eta, int returns) {
+static mcv_vec3 mcv_retroreflector_choose(__global const mcv_device_material *m, mcv_vec3 n,
+                                          mcv_vec3 o, float xi, float eta, int returns) {
     if (returns) return mcv_retroreflector_sample(m->as.retroreflector.spread, o, xi, eta);
     return mcv_normalize(mcv_from_frame(mcv_sample_cosine(xi, eta), n));
 }
@@ -100,7 +100,6 @@ MCV_FUNCTION mcv_scattering mcv_scatter_retroreflector(mcv_world world, mcv_inte
     scattering.density = response.density;
     return scattering;
 }
-
 #endif
 
 #endif

@@ -44,6 +44,7 @@ MCV_LOOP_FUNCTION mcv_shading mcv_any_shading(void) {
     return mcv_shading_of(MCV_SHADING_ANY, 1, 1);
 }
 
+#if MCV_WITH_PLAIN && MCV_WITH_GLOSS
 /* Of a plain glossy material; `from` is what mcv_plain_gloss says of it. */
 MCV_LOOP_FUNCTION mcv_shading mcv_glossy_shading(mcv_world world, uint material,
                                                  const mcv_device_gloss *from) {
@@ -62,7 +63,7 @@ MCV_LOOP_FUNCTION mcv_shading mcv_shading_as(mcv_shading shading, uint type) {
 }
 
 /* What is known of a plain glossy material beforehand: it has no direction and no texture. */
-MCV_FUNCTION mcv_device_gloss mcv_plain_gloss(mcv_world world, uint material) {
+static mcv_device_gloss mcv_plain_gloss(mcv_world world, uint material) {
     mcv_device_gloss from = world.gloss[material];
     from.azimuths = from.roughnesses = 1u;
     from.anisotropy = 0.0f;
@@ -76,6 +77,7 @@ MCV_LOOP_FUNCTION mcv_gloss_interaction mcv_make_plain_gloss_interaction(
     return mcv_make_gloss_interaction_of(world, interaction, shading.gloss, shading.type, base,
                                          1.0f, 1.0f, media);
 }
+#endif
 
 /*
  * mcv_scatter for a surface of a known kind. *unshaded is 1 where a glossy surface turns out to be
@@ -87,15 +89,21 @@ MCV_LOOP_FUNCTION mcv_scattering mcv_scatter_as(mcv_world world, mcv_slot slot,
                                                 int parts, uint *unmatched, mcv_scattering *other,
                                                 int *unshaded) {
     const uint media = mcv_path_media(slot);
-    if (MCV_WITH_PLAIN && shading.kind == MCV_SHADING_DIFFUSE) {
+    (void)unshaded, (void)shading;
+#if MCV_WITH_PLAIN
+    if (shading.kind == MCV_SHADING_DIFFUSE) {
         mcv_color reflectance;
         MCV_LOAD_COLOR(slot, reflectance, reflectance);
         other->chance = 0.0f;
         return mcv_scatter_diffuse(*interaction, reflectance, media, pair);
     }
-    if (MCV_WITH_SMOOTH && shading.kind == MCV_SHADING_SMOOTH)
+#endif
+#if MCV_WITH_SMOOTH
+    if (shading.kind == MCV_SHADING_SMOOTH)
         return mcv_scatter_dielectric(world, *interaction, media, pair.x, unmatched, other);
-    if (MCV_WITH_PLAIN && MCV_WITH_GLOSS && shading.kind == MCV_SHADING_GLOSS) {
+#endif
+#if MCV_WITH_PLAIN && MCV_WITH_GLOSS
+    if (shading.kind == MCV_SHADING_GLOSS) {
         mcv_scattering on;
         const mcv_gloss_interaction m =
             mcv_make_plain_gloss_interaction(world, interaction, shading, media);
@@ -111,6 +119,7 @@ MCV_LOOP_FUNCTION mcv_scattering mcv_scatter_as(mcv_world world, mcv_slot slot,
         }
         return on;
     }
+#endif
     return mcv_scatter(world, *interaction, media, pair, choice, parts, unmatched, other);
 }
 

@@ -4,9 +4,9 @@
 #define MCVISI_KERNELS_SHEET_H
 
 #include "bsdf/scattering.h"
-#include "mcvisi/materials/sheet.h"
 #include "path/media.h"
 
+#if MCV_WITH_SHEET
 /* From the medium that a path is in into a plate, by its η and δ in vacuum. */
 MCV_FUNCTION mcv_device_interface mcv_plate_interface(mcv_world world, float eta, float delta,
                                                       uint media) {
@@ -22,9 +22,8 @@ MCV_FUNCTION mcv_device_interface mcv_plate_interface(mcv_world world, float eta
     return into;
 }
 
-MCV_FUNCTION mcv_scattering mcv_scatter_sheet(mcv_world world, mcv_interaction interaction,
-                                              uint material, uint media, float xi,
-                                              mcv_scattering *other) {
+static mcv_scattering mcv_scatter_sheet(mcv_world world, mcv_interaction interaction, uint material,
+                                        uint media, float xi, mcv_scattering *other) {
     const mcv_sheet sheet = world.materials[material].as.sheet;
     mcv_scattering reflected = mcv_scatter_mirrored(interaction, media);
     mcv_scattering passed = mcv_scatter_into(interaction.direction, media, MCV_EVENT_PASS);
@@ -37,9 +36,9 @@ MCV_FUNCTION mcv_scattering mcv_scatter_sheet(mcv_world world, mcv_interaction i
     return mcv_choose_way(reflected, passed, xi < reflected.chance, other);
 }
 
-MCV_FUNCTION mcv_scattering mcv_scatter_beam_splitter(mcv_world world, mcv_interaction interaction,
-                                                      uint material, uint media, float xi,
-                                                      mcv_scattering *other) {
+static mcv_scattering mcv_scatter_beam_splitter(mcv_world world, mcv_interaction interaction,
+                                                uint material, uint media, float xi,
+                                                mcv_scattering *other) {
     __global const mcv_device_material *m = world.materials + material;
     mcv_scattering reflected = mcv_scatter_mirrored(interaction, media);
     mcv_scattering passed = mcv_scatter_into(interaction.direction, media, MCV_EVENT_PASS);
@@ -51,5 +50,6 @@ MCV_FUNCTION mcv_scattering mcv_scatter_beam_splitter(mcv_world world, mcv_inter
     }
     return mcv_choose_way(reflected, passed, xi < reflected.chance, other);
 }
+#endif
 
 #endif

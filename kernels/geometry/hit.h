@@ -12,19 +12,23 @@ typedef struct mcv_interaction {
     mcv_vec3 direction;    /* of the ray, unit */
     mcv_vec3 face, normal; /* unit, on the ray's side: direction·face < 0, direction·normal < 0 */
     uint inside;           /* 1: the ray comes from behind the front side */
-    /* With bodies in contact, else not set: */
+#if MCV_WITH_CONTACT
     uint exited, entered; /* media of other bodies whose surfaces are in the same place */
     mcv_vec3 beyond_point, beyond_error; /* of the last of these surfaces */
     uint touched; /* if this is a triangle: an exact one of them, or MCV_NONE */
     mcv_vec3 touched_face;
-    /* In the tile schedule: */
+#endif
+#if MCV_TILE && MCV_WITH_DIFFUSE
     int bounces; /* 1: worked out beforehand for many paths is where it goes on if the surface is
                     diffuse */
     mcv_vec3 bounce;
     float bounce_density;
+#endif
+#if MCV_TILE && MCV_WITH_GLOSS
     struct mcv_gloss_interaction
         *gloss;        /* where to keep what is worked out of a glossy surface, or NULL */
     uint *gloss_known; /* 1: it is there */
+#endif
 } mcv_interaction;
 
 MCV_LOOP_FUNCTION mcv_interaction mcv_meet_at(mcv_surface surface, mcv_vec3 direction) {
@@ -36,9 +40,12 @@ MCV_LOOP_FUNCTION mcv_interaction mcv_meet_at(mcv_surface surface, mcv_vec3 dire
     interaction.normal = mcv_scale(interaction.surface.normal, interaction.inside ? -1.0f : 1.0f);
     interaction.normal = mcv_choose(mcv_dot(direction, interaction.normal) < 0.0f,
                                     interaction.normal, interaction.face);
+#if MCV_TILE && MCV_WITH_DIFFUSE
     interaction.bounces = 0;
+#endif
+#if MCV_TILE && MCV_WITH_GLOSS
     interaction.gloss = 0;
-    interaction.gloss_known = 0;
+#endif
     return interaction;
 }
 
@@ -52,9 +59,11 @@ MCV_LOOP_FUNCTION mcv_surface mcv_hit_surface(mcv_world world, mcv_vec3 origin, 
 
 /* The origin of a ray that goes on from there. */
 MCV_FUNCTION mcv_vec3 mcv_onward_origin(mcv_interaction interaction, mcv_vec3 direction) {
-    if (MCV_WITH_CONTACT && mcv_dot(direction, interaction.face) < 0.0f)
+#if MCV_WITH_CONTACT
+    if (mcv_dot(direction, interaction.face) < 0.0f)
         return mcv_offset_origin(interaction.beyond_point, interaction.beyond_error,
                                  interaction.face, direction);
+#endif
     return mcv_offset_origin(interaction.surface.point, interaction.surface.error, interaction.face,
                              direction);
 }
@@ -64,10 +73,12 @@ MCV_FUNCTION mcv_vec3 mcv_onward_origin(mcv_interaction interaction, mcv_vec3 di
 MCV_LOOP_FUNCTION uint mcv_origin_surface_of(mcv_world world, mcv_interaction interaction,
                                              mcv_vec3 direction) {
     mcv_surface surface = interaction.surface;
-    if (MCV_WITH_CONTACT && interaction.touched != MCV_NONE) {
+#if MCV_WITH_CONTACT
+    if (interaction.touched != MCV_NONE) {
         surface.triangle = interaction.touched;
         surface.face = interaction.touched_face;
     }
+#endif
     return mcv_mark_origin_surface(world, surface, direction);
 }
 

@@ -85,15 +85,15 @@ MCV_LOOP_FUNCTION mcv_interaction mcv_make_interaction(mcv_world world, mcv_slot
     surface->instance = surface->corners.w = MCV_WORD(slot, instance, 0);
     surface->u = u;
     surface->v = v;
-    if (MCV_WITH_GLOSS) {
-        interaction.gloss = slot.glosses + slot.index;
-        interaction.gloss_known = &MCV_WORD(slot, gloss_known, 0);
-    }
-    if (MCV_WITH_DIFFUSE) {
-        interaction.bounces = 1;
-        interaction.bounce = MCV_LOAD_3(slot, bounce);
-        interaction.bounce_density = MCV_LOAD(slot, bounce, 3);
-    }
+#if MCV_WITH_GLOSS
+    interaction.gloss = slot.glosses + slot.index;
+    interaction.gloss_known = &MCV_WORD(slot, gloss_known, 0);
+#endif
+#if MCV_WITH_DIFFUSE
+    interaction.bounces = 1;
+    interaction.bounce = MCV_LOAD_3(slot, bounce);
+    interaction.bounce_density = MCV_LOAD(slot, bounce, 3);
+#endif
 #if MCV_WITH_CONTACT
     const mcv_hit hit = {MCV_LOAD(slot, hit, 0), u, v, triangle};
     mcv_find_contacts(world, MCV_LOAD_3(slot, origin), hit, &interaction);

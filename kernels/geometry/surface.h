@@ -53,7 +53,9 @@ typedef struct mcv_facet {
     mcv_vec3 a, b, c; /* its corners [m] */
     mcv_vec3 face;
     float area;
+#if MCV_WITH_NORMALS
     mcv_vec3 normal_a, normal_b, normal_c; /* there */
+#endif
     uint triangle;
     mcv_corners corners;
 } mcv_facet;
@@ -69,11 +71,11 @@ MCV_LOOP_FUNCTION mcv_facet mcv_facet_of(mcv_world world, uint triangle) {
     const mcv_vec3 doubled = mcv_cross(mcv_sub(facet.b, facet.a), mcv_sub(facet.c, facet.a));
     facet.face = mcv_normalize(doubled);
     facet.area = 0.5f * mcv_sqrt(mcv_dot(doubled, doubled));
-    if (MCV_WITH_NORMALS) {
-        facet.normal_a = mcv_vertex_vector(world.normals, corners.x);
-        facet.normal_b = mcv_vertex_vector(world.normals, corners.y);
-        facet.normal_c = mcv_vertex_vector(world.normals, corners.z);
-    }
+#if MCV_WITH_NORMALS
+    facet.normal_a = mcv_vertex_vector(world.normals, corners.x);
+    facet.normal_b = mcv_vertex_vector(world.normals, corners.y);
+    facet.normal_c = mcv_vertex_vector(world.normals, corners.z);
+#endif
     return facet;
 }
 
@@ -89,11 +91,12 @@ MCV_LOOP_FUNCTION mcv_surface mcv_surface_on(mcv_facet facet, float u, float v) 
     surface.face = facet.face;
     surface.area = facet.area;
     surface.normal = surface.face;
-    if (!MCV_WITH_NORMALS) return surface;
+#if MCV_WITH_NORMALS
     const mcv_vec3 n =
         mcv_normalize(mcv_interpolate(facet.normal_a, facet.normal_b, facet.normal_c, u, v));
     /* Opposite vertex normals may cancel, and those of a flat mesh are 0: the face's then. */
     surface.normal = mcv_choose(mcv_dot(n, n) > 0.5f, n, surface.face);
+#endif
     return surface;
 }
 

@@ -166,7 +166,7 @@ typedef struct mcv_slot {
     MCV_PATH_SPACE uint *base;
 #if !MCV_TILE
     uint capacity;
-#else
+#elif MCV_WITH_GLOSS
     struct mcv_gloss_interaction *glosses; /* of each slot (bsdf/bsdf.h) */
 #endif
     uint index;
@@ -178,7 +178,9 @@ MCV_LOOP_FUNCTION mcv_slot mcv_slot_at(uint *paths, uint index) {
     mcv_slot slot;
     slot.base = paths;
     slot.index = index;
+#if MCV_WITH_GLOSS
     slot.glosses = 0;
+#endif
     return slot;
 }
 #endif

@@ -79,8 +79,10 @@ MCV_BATCH void mcv_trace_light_slices(mcv_world world, uint first, uint last, __
     uint class_end[MCV_CLASS_COUNT], gloss;
     mcv_slot slot;
     slot.base = paths;
-    mcv_gloss_interaction glosses[MCV_WITH_GLOSS ? MCV_SLOTS : 1];
+#if MCV_WITH_GLOSS
+    mcv_gloss_interaction glosses[MCV_SLOTS];
     slot.glosses = glosses;
+#endif
     while (first < last) {
         uint alive = mcv_fill_light_slice(world, slot, &first, last);
         for (uint depth = 1; depth < world.frame->depth && alive > 0; ++depth) {
@@ -93,8 +95,9 @@ MCV_BATCH void mcv_trace_light_slices(mcv_world world, uint first, uint last, __
             mcv_splat_light_paths(world, slot, class_end[MCV_LAST_SMOOTH], alive, depth, splats,
                                   counts);
             mcv_draw_pairs(paths, 0, alive, depth, MCV_PAIR_SCATTER);
-            if (MCV_WITH_DIFFUSE)
-                mcv_sample_diffuse_directions(paths, class_end[MCV_LAST_SMOOTH], alive);
+#if MCV_WITH_DIFFUSE
+            mcv_sample_diffuse_directions(paths, class_end[MCV_LAST_SMOOTH], alive);
+#endif
             alive = mcv_shade_light_hits(world, slot, class_end, gloss, depth,
                                          &counts[MCV_COUNTER_unmatched]);
         }

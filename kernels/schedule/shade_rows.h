@@ -95,8 +95,9 @@ MCV_BATCH uint mcv_shade_paths(mcv_world world, mcv_slot slot, const uint *class
     mcv_slot beside = slot;
     beside.index = alive;
     mcv_draw_pairs(slot.base, 0, alive, depth, MCV_PAIR_SCATTER);
-    if (MCV_WITH_DIFFUSE)
-        mcv_sample_diffuse_directions(slot.base, class_end[MCV_LAST_SMOOTH], alive);
+#if MCV_WITH_DIFFUSE
+    mcv_sample_diffuse_directions(slot.base, class_end[MCV_LAST_SMOOTH], alive);
+#endif
     mcv_shade_ranges(world, slot.base, class_end, gloss, 0, depth, fate, unmatched);
     if (MCV_WITH_SMOOTH && MCV_WITH_SPLIT)
         beside.index = mcv_split_paths(world, slot.base, fate, class_end[MCV_LAST_GLOSS], alive);

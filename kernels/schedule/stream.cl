@@ -72,12 +72,14 @@ MCV_STAGE_KERNEL(generate_rays) {
     if (path < world.frame->path_count)
         begun = mcv_generate_ray(world, mcv_stream_slot(paths, capacity, path),
                                  mcv_identify(world, path));
+#if MCV_WITH_SPLIT
     for (uint k = 1; k < MCV_BRANCHES && path < world.frame->path_count; ++k) {
         const mcv_slot branch =
             mcv_stream_slot(paths, capacity, path + k * world.frame->path_count);
         MCV_STORE(branch, weight, 0, 0.0f);
         MCV_EACH_CHANNEL(i) MCV_STORE(branch, radiance, i, 0.0f);
     }
+#endif
     mcv_append(MCV_ACTIVE(0), &lengths[0], path, begun, room);
 }
 
@@ -124,8 +126,9 @@ MCV_STAGE_KERNEL(shade_surfaces) {
     if (i < lengths[depth]) {
         path = MCV_ACTIVE(depth)[i];
         const mcv_slot slot = mcv_stream_slot(paths, capacity, path);
-        if (MCV_WITH_SPLIT)
-            beside.index = path + (MCV_WORD(slot, branch, 0) + 1u) * world.frame->path_count;
+#if MCV_WITH_SPLIT
+        beside.index = path + (MCV_WORD(slot, branch, 0) + 1u) * world.frame->path_count;
+#endif
         if (MCV_WORD(slot, hit, 3) == MCV_NONE)
             mcv_shade_miss(world, slot);
         else
@@ -139,9 +142,10 @@ MCV_STAGE_KERNEL(shade_surfaces) {
     }
     mcv_append(MCV_ACTIVE(depth + 1u), &lengths[depth + 1u], path, (fate & MCV_CONTINUES) != 0,
                room);
-    if (MCV_WITH_SPLIT)
-        mcv_append(MCV_ACTIVE(depth + 1u), &lengths[depth + 1u], beside.index,
-                   (fate & MCV_SPLITS) != 0, room);
+#if MCV_WITH_SPLIT
+    mcv_append(MCV_ACTIVE(depth + 1u), &lengths[depth + 1u], beside.index, (fate & MCV_SPLITS) != 0,
+               room);
+#endif
 }
 
 /* One work-item per block. */

@@ -124,6 +124,7 @@ MCV_BATCH void mcv_draw_pairs(uint *paths, uint first, uint last, uint depth, ui
     }
 }
 
+#if MCV_WITH_DIFFUSE
 /* The directions in which the surfaces reflect if they are diffuse. */
 MCV_BATCH void mcv_sample_diffuse_directions(uint *paths, uint first, uint last) {
     MCV_VECTORIZE
@@ -136,6 +137,7 @@ MCV_BATCH void mcv_sample_diffuse_directions(uint *paths, uint first, uint last)
         MCV_STORE(slot, bounce, 3, density);
     }
 }
+#endif
 
 /* The origins of the rays that leave the surfaces, in the directions that they have got. */
 MCV_BATCH void mcv_offset_origins(uint *paths, uint count) {

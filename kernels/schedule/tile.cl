@@ -92,8 +92,10 @@ MCV_BATCH void mcv_render_slice(mcv_world world, uint slice, __global float *sum
     uint counts[MCV_COUNTER_COUNT] = {0};
     uint branches = 1; /* that a sample may have by now */
     mcv_slot slot = mcv_slot_at(paths, 0);
-    mcv_gloss_interaction glosses[MCV_WITH_GLOSS ? MCV_SLOTS : 1];
+#if MCV_WITH_GLOSS
+    mcv_gloss_interaction glosses[MCV_SLOTS];
     slot.glosses = glosses;
+#endif
     MCV_CLOCK_BEGIN
     mcv_clear_values(values, 0);
     uint alive = mcv_begin_paths(world, paths, first, count);

@@ -9,6 +9,7 @@
 #define MCVISI_KERNELS_CONNECT_LIGHT_PATH_H
 
 #include "bsdf/bsdf.h"
+#include "geometry/solids.h"
 #include "light/leave_emitter.h"
 #include "path/sensor_ray.h"
 #include "stage/splat_film.h"

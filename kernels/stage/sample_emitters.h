@@ -146,12 +146,14 @@ MCV_LOOP_FUNCTION mcv_response mcv_respond_as(mcv_world world, mcv_slot slot,
                                               const mcv_interaction *interaction,
                                               mcv_shading shading, mcv_vec3 direction) {
     const uint media = mcv_path_media(slot);
-    if (MCV_WITH_PLAIN && shading.kind == MCV_SHADING_DIFFUSE) {
+#if MCV_WITH_PLAIN
+    if (shading.kind == MCV_SHADING_DIFFUSE) {
         mcv_color reflectance;
         MCV_LOAD_COLOR(slot, reflectance, reflectance);
         return mcv_respond_diffuse(interaction, reflectance, media, direction);
     }
-    if (MCV_WITH_PLAIN && MCV_WITH_GLOSS && shading.kind == MCV_SHADING_GLOSS) {
+#if MCV_WITH_GLOSS
+    if (shading.kind == MCV_SHADING_GLOSS) {
         const mcv_gloss_interaction m =
             mcv_make_plain_gloss_interaction(world, interaction, shading, media);
         mcv_response response =
@@ -164,6 +166,9 @@ MCV_LOOP_FUNCTION mcv_response mcv_respond_as(mcv_world world, mcv_slot slot,
         MCV_EACH_CHANNEL(c) response.value.c[c] = dropped ? 0.0f : response.value.c[c];
         return response;
     }
+#endif
+#endif
+    (void)shading;
     return mcv_respond(world, *interaction, media, direction);
 }
 

@@ -46,7 +46,7 @@ static const struct {
     {"materials/dielectric.h", BIT(DIELECTRIC)},
     {"materials/sheet.h", BIT(SHEET)},
     {"materials/mirror.h", 0},
-    {"materials/beam_splitter.h", 0},
+    {"materials/beam_splitter.h", BIT(SHEET)},
     {"materials/conductor.h", 0},
     {"materials/metallic_roughness.h", 0},
     {"materials/microfacet.h", BIT(GLOSS)},

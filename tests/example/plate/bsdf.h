@@ -6,6 +6,7 @@
 
 #include "bsdf/sheet.h"
 
+#if MCV_WITH_SHEET
 /*
  * One of the two ways on by xi in [0, 1), and *other the other one: a path may follow both. Each
  * has the chance with which it is chosen, and a factor: its share by channel over that chance. The
@@ -34,5 +35,6 @@ MCV_FUNCTION mcv_scattering mcv_scatter_filter_glass(mcv_world world, mcv_intera
     if (most_passed > 0.0f) passed.factor = mcv_dim(passed.factor, 1.0f / passed.chance);
     return mcv_choose_way(reflected, passed, xi < reflected.chance, other);
 }
+#endif
 
 #endif
