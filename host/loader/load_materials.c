@@ -177,7 +177,8 @@ static mcv_result check_substance(const json_t *object, const mcv_json_path *pla
     char metals[256];
     if (name && mcv_is_metal(name, metals))
         return mcv_fail_at(&here, error,
-                           "\"%s\" is not a type: a metal is a conductor, {\"type\": \"conductor\", "
+                           "\"%s\" is not a type: a metal is a conductor, "
+                           "{\"type\": \"conductor\", "
                            "\"metal\": \"iron\", \"roughness\": 0.3}; %s",
                            name, metals);
     for (size_t i = 0; name && i < sizeof substances / sizeof substances[0]; ++i)
