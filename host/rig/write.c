@@ -127,8 +127,8 @@ static void print_note(FILE *out, const mcv_rig_design *r) {
         [MCV_RIG_LIGHT_BACKLIGHT] = "it is dark before a backlight",
         [MCV_RIG_LIGHT_RING] = "a ring light surrounds the view",
         [MCV_RIG_LIGHT_DARK_FIELD] =
-            "a low ring lights it at 7 to 23 degrees, so that edges, scratches and dust are "
-            "bright",
+            ("a low ring lights it at 7 to 23 degrees, so that edges, scratches and dust are "
+             "bright"),
         [MCV_RIG_LIGHT_COAXIAL] =
             "a half mirror sends light along the view, so that flat polished faces are bright",
         [MCV_RIG_LIGHT_DOME] = "a dome lights it from all sides, with few highlights and shadows"};

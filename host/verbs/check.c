@@ -144,7 +144,7 @@ mcv_result mcv_check_pack(const mcv_command *command, const mcv_scene *scene, mc
 mcv_result mcv_check(const mcv_command *command, const mcv_scene *scene, mcv_report *report,
                      mcv_error *error) {
     mcv_findings findings;
-    mcv_checked checked;
+    mcv_checked checked = {0};
     MCV_TRY(mcv_check_pack(command, scene, &checked, error));
     mcv_result result = mcv_findings_of(scene, &findings, error);
     if (result == MCV_OK) {

@@ -18,7 +18,7 @@ typedef struct mcv_compared {
 } mcv_compared;
 
 /* Of a picture, which must outlive it; the film is freed by the caller, after failure, too. */
-mcv_result mcv_compared_read(const mcv_exr *exr, const char *path, mcv_compared *compared,
+mcv_result mcv_compared_read(const mcv_exr *exr, const char *path, mcv_compared *r,
                              mcv_error *error);
 
 /* Are all replicates of both known? Then rank tests are used. */
