@@ -35,6 +35,7 @@ void mcv_packed_free(mcv_packed *packed) {
     free(packed->albedo_sources);
     free(packed->emitters);
     free(packed->emitter_cdf);
+    free(packed->light_tree);
     free(packed->textures);
     free(packed->texels);
     free(packed->solids);

@@ -259,5 +259,5 @@ mcv_result mcv_pack_emitters(const mcv_scene *scene, mcv_packed *packed, mcv_err
     if (failed) return mcv_fail(error, MCV_FAILED, "%s: no memory for the emitters", scene->path);
     if (result != MCV_OK) return result;
     packed->light_cdf = (uint32_t)next;
-    return MCV_OK;
+    return count > MCV_MOST_REACHING ? mcv_pack_light_tree(scene, packed, error) : MCV_OK;
 }
