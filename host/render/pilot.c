@@ -21,9 +21,11 @@ static const uint32_t ADAPTIVE_SEED = 0x2545f491u;
 /* The exponent with which the variance falls with the samples; it is 1 with random numbers. */
 static const double SOBOL_FALL = 1.25;
 
-/* Adaptive sampling is used if it needs less than this share of the samples of a uniform render.
- * The margin covers the extra time of noisy pixels. */
-static const double WORTH = 0.9;
+/* Adaptive sampling is used if it needs less than this share of the samples of a uniform render, by
+ * MCV_ADAPTIVE_…. A pilot does not know how long samples take: those of noisy pixels take up to 1.5
+ * times as long in the table of docs/adaptive-sampling.md, and 0.6 times 1.5 is 0.9. */
+static const double WORTH[] = {
+    [MCV_ADAPTIVE_OFF] = 0, [MCV_ADAPTIVE_ON] = 0.9, [MCV_ADAPTIVE_AUTO] = 0.6};
 
 static double fall_of(const mcv_render_options *o) {
     return o->sampler == MCV_SAMPLER_RANDOM ? 1 : SOBOL_FALL;
@@ -144,7 +146,8 @@ mcv_result mcv_adapt(mcv_renderer *r, double error, bool *decided) {
         result = mcv_allocate_samples(&pilot, fall_of(o), budget, film->levels, &gain, r->error);
     mcv_film_free(&pilot);
     MCV_TRY(result);
-    if (!r->stats->interrupted && gain > 0 && begun + expected / gain < WORTH * expected)
+    if (!r->stats->interrupted && gain > 0 &&
+        begun + expected / gain < WORTH[o->adaptive] * expected)
         return begin_anew(r);
     free(film->levels);
     film->levels = NULL;
