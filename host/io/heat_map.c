@@ -50,7 +50,7 @@ static void put_cell_numbers(FILE *out, const double *x, size_t columns, const d
 static int digits_of(const double range[2]) {
     const double largest = fmax(fabs(range[0]), fabs(range[1]));
     if (!(range[1] > range[0])) return 3;
-    return (int)fmin(6, 3 + floor(log10(largest / (range[1] - range[0]))));
+    return (int)fmin(6, 3 + fmax(0, floor(log10(largest / (range[1] - range[0])))));
 }
 
 static void put_cells(FILE *out, const mcv_plots *p, size_t metric, const double range[2],
