@@ -5,6 +5,7 @@
 #define MCVISI_KERNELS_EMISSION_H
 
 #include "geometry/surface.h"
+#include "light/discrete.h"
 
 #if MCV_WITH_LIGHT_FIELD && MCV_WITH_TEXTURE
 /* The image's value for a place on a light field emitter and a direction. */
@@ -113,9 +114,8 @@ MCV_LOOP_FUNCTION int mcv_samples_cone(__global const mcv_device_emitter *e, mcv
 /* Of the choices on an emitter those of a triangle. */
 MCV_LOOP_FUNCTION float mcv_triangle_share(mcv_world world, __global const mcv_device_emitter *e,
                                            uint triangle) {
-    __global const uint *cdf =
-        world.emitter_cdf + e->cdf + (triangle - world.instances[e->instance].first_triangle);
-    return (float)(cdf[1] - cdf[0]) * 4.656612873077393e-10f; /* 2^-31 */
+    return mcv_cdf_share(world.emitter_cdf + e->cdf,
+                         triangle - world.instances[e->instance].first_triangle);
 }
 
 /* The density [1/sr] of directions to a place on an emitter at the given distance, chosen uniform
