@@ -24,10 +24,6 @@ bool ref_media_cross_all(ref_media *near, ref_media *far, uint32_t count, const 
     return !corrected;
 }
 
-bool ref_media_cross(ref_media *near, ref_media *far, uint32_t instance, bool front) {
-    return ref_media_cross_all(near, far, 1, &instance, &front);
-}
-
 const mcv_dielectric_params *ref_media_filling(const ref_media *media, const mcv_scene *scene) {
     const mcv_dielectric_params *filling = NULL;
     uint32_t owner = 0;

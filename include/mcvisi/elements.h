@@ -89,6 +89,12 @@ enum {
 }; /* the numbers of the presets follow */
 enum { MCV_MATERIALS(MCV_MATERIAL_ENUM) MCV_MATERIAL_COUNT };
 
+/* Whether a type is in a list, such as MCV_IS_MATERIAL_OF(MCV_PLATES, type). */
+#define MCV_EMITTER_BIT(name, key, NAME) | 1u << MCV_EMITTER_##NAME
+#define MCV_MATERIAL_BIT(name, key, NAME) | 1u << MCV_MATERIAL_##NAME
+#define MCV_IS_EMITTER_OF(LIST, type) (((0u LIST(MCV_EMITTER_BIT)) >> (type)&1u) != 0u)
+#define MCV_IS_MATERIAL_OF(LIST, type) (((0u LIST(MCV_MATERIAL_BIT)) >> (type)&1u) != 0u)
+
 /* Headers of the elements. The device includes only those that the scene needs. */
 #if !MCV_ON_DEVICE || defined(MCV_SENSOR_pinhole)
 #include "mcvisi/sensors/pinhole.h"

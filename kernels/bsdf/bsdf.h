@@ -62,9 +62,7 @@ MCV_LOOP_FUNCTION int mcv_is_near_specular(mcv_world world, mcv_interaction inte
 /* Does the surface pass light straight on, but for what it reflects? */
 MCV_LOOP_FUNCTION int mcv_is_plate(mcv_world world, mcv_interaction interaction) {
     const uint type = world.materials[world.instances[interaction.surface.instance].material].type;
-#define MCV_X(name, key, NAME) || type == MCV_MATERIAL_##NAME
-    return 0 MCV_PLATES(MCV_X);
-#undef MCV_X
+    return MCV_IS_MATERIAL_OF(MCV_PLATES, type);
 }
 #endif
 
