@@ -31,9 +31,9 @@ bool ref_media_cross_all(ref_media *near, ref_media *far, uint32_t count, const 
                          const bool *fronts);
 
 /* The material that fills the space, or NULL for vacuum (n = 1, clear). */
-const mcv_dielectric_params *ref_media_filling(const ref_media *media, const mcv_scene *scene);
+const mcv_medium_params *ref_media_filling(const ref_media *media, const mcv_scene *scene);
 
-static inline double ref_media_ior(const mcv_dielectric_params *filling, int channel) {
+static inline double ref_media_ior(const mcv_medium_params *filling, int channel) {
     return filling ? filling->ior[channel] : 1;
 }
 

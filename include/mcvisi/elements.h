@@ -67,6 +67,16 @@
     X(sheet, "sheet", SHEET) \
     X(beam_splitter, "beamSplitter", BEAM_SPLITTER)
 
+/*
+ * Materials that fill a body of glass, fluid or gas: their parameters begin with MCV_MEDIUM_PARAMS
+ * (mcvisi/materials/material.h). One whose surface scatters light by a law of its own is in
+ * MCV_SCATTERERS, too.
+ */
+/* clang-format off */
+#define MCV_MEDIUM_MATERIALS(X) \
+    X(dielectric, "dielectric", DIELECTRIC)
+/* clang-format on */
+
 #define MCV_MATERIALS(X) \
     X(diffuse, "diffuse", DIFFUSE) \
     X(dielectric, "dielectric", DIELECTRIC) \

@@ -66,6 +66,13 @@ MCV_LOOP_FUNCTION int mcv_is_plate(mcv_world world, mcv_interaction interaction)
 }
 #endif
 
+/* 1 if the surface of a body says that the path is in other media than it is. */
+MCV_FUNCTION uint mcv_is_unmatched(mcv_world world, const mcv_interaction *interaction, uint medium,
+                                   uint media) {
+    return MCV_WITH_DIELECTRIC && medium != 0 &&
+           mcv_cross_surface(world, interaction, media).before != media;
+}
+
 /*
  * Chooses how the path continues. *other: the other way of a smooth surface that has two and, if
  * the path may split there, of rough glass; elsewhere its chance is 0.
@@ -82,9 +89,7 @@ MCV_FUNCTION mcv_scattering mcv_scatter(mcv_world world, mcv_interaction interac
     (void)pair, (void)choice, (void)splits, (void)unmatched;
 #if MCV_WITH_GLOSS
     if (mcv_is_rough(world, &interaction, media)) {
-        if (MCV_WITH_DIELECTRIC && instance.medium != 0 &&
-            mcv_cross_surface(world, &interaction, media).before != media)
-            *unmatched += 1u;
+        *unmatched += mcv_is_unmatched(world, &interaction, instance.medium, media);
         return mcv_scatter_gloss(world, interaction, instance.material, media, pair, choice, splits,
                                  other);
     }
@@ -101,6 +106,7 @@ MCV_FUNCTION mcv_scattering mcv_scatter(mcv_world world, mcv_interaction interac
 #if MCV_WITH_REFLECTOR
 #define MCV_X(name, key, NAME) \
     case MCV_MATERIAL_##NAME: \
+        *unmatched += mcv_is_unmatched(world, &interaction, instance.medium, media); \
         return mcv_scatter_##name(world, interaction, instance.material, media, pair, choice);
         MCV_SCATTERERS(MCV_X)
 #undef MCV_X

@@ -27,6 +27,9 @@
 #define MCV_SPLIT_BRANCHES 4
 #define MCV_BRANCHES (MCV_WITH_SPLIT ? MCV_SPLIT_BRANCHES : 1)
 
+/* Whether a surface may scatter light into other media than those of the ray that meets it. */
+#define MCV_CROSSES (MCV_WITH_DIELECTRIC && (MCV_WITH_GLOSS || MCV_WITH_REFLECTOR))
+
 /*
  * X(field, words): what a scene does not need has no words. It has a place all the same: what reads
  * or writes it stands behind `if (MCV_WITH_…)`, which is known to the compiler. Paths of either
@@ -87,9 +90,8 @@
     X(shadow_origin, 3 * MCV_WITH_NEXT_EVENT)                   /* ray to the emitter */ \
     X(shadow_direction, 3 * MCV_WITH_NEXT_EVENT) \
     X(shadow_origin_surface, MCV_WITH_NEXT_EVENT *MCV_WITH_SURFACES) \
-    X(shadow_density, MCV_TILE *MCV_WITH_NEXT_EVENT) /* as in mcv_shadow */ \
-    X(shadow_media, MCV_WITH_NEXT_EVENT *MCV_WITH_GLOSS \
-                        *MCV_WITH_DIELECTRIC)          /* that it leaves the surface in */ \
+    X(shadow_density, MCV_TILE *MCV_WITH_NEXT_EVENT)   /* as in mcv_shadow */ \
+    X(shadow_media, MCV_WITH_NEXT_EVENT *MCV_CROSSES)  /* that it leaves the surface in */ \
     X(shadow_light, MCV_WITH_NEXT_EVENT *MCV_CHANNELS) /* what it brings; 0: no ray */ \
     X(shadow_target, MCV_WITH_NEXT_EVENT) /* instance that must be met first; MCV_NONE: nothing \
                                              before t = 1; MCV_SKY: nothing at all */

@@ -189,7 +189,7 @@ MCV_LOOP_FUNCTION int mcv_make_shadow_ray(mcv_world world, mcv_slot slot,
         mcv_dim(light, shadow.density > 0.0f ? mcv_power_heuristic(shadow.density, response.density)
                                              : 1.0f);
     light = mcv_basic_radiance(world, light, response.media);
-    if (MCV_WITH_DIELECTRIC && MCV_WITH_GLOSS) MCV_WORD(slot, shadow_media, 0) = response.media;
+    if (MCV_CROSSES) MCV_WORD(slot, shadow_media, 0) = response.media;
     if (MCV_WITH_SURFACES)
         MCV_WORD(slot, shadow_origin_surface, 0) =
             shading.exact ? mcv_origin_surface_of(world, *interaction, shadow.direction) : MCV_NONE;
