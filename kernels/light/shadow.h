@@ -20,8 +20,6 @@ typedef struct mcv_shadow {
                       over the chance of the choice */
 } mcv_shadow;
 
-MCV_LOOP_FUNCTION mcv_vec3 mcv_vec_at(__global const float *v) { return mcv_vec(v[0], v[1], v[2]); }
-
 /* A shadow ray from the receiver, without light. */
 MCV_LOOP_FUNCTION mcv_shadow mcv_shadow_along(mcv_receiver at, mcv_vec3 direction, uint target,
                                               float density) {
