@@ -110,7 +110,7 @@ MCV_FUNCTION float mcv_average(mcv_color a) {
     return sum / (float)MCV_CHANNELS;
 }
 
-/* What a surface that spreads light makes of light from a direction. */
+/* How a scattering surface responds to light from a direction. */
 typedef struct mcv_response {
     mcv_color value; /* f cosθ [1/sr]: the share that goes on towards the ray, of L/n² */
     float density;   /* with which mcv_scatter chooses the direction [1/sr] */

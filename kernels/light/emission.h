@@ -41,7 +41,7 @@ MCV_FUNCTION mcv_color mcv_projector_value(mcv_world world, mcv_surface surface,
     (MCV_WITH_PARALLEL || MCV_WITH_LIGHT_FIELD || MCV_WITH_PROJECTOR || MCV_WITH_AREA)
 
 #if MCV_WITH_EMISSION
-/* Radiance of a place where the emitter shines into a direction. */
+/* The radiance of a point in the directions into which the emitter emits in full. */
 MCV_LOOP_FUNCTION mcv_color mcv_full_radiance(mcv_world world, mcv_surface surface, uint emitter) {
     __global const mcv_device_emitter *e = world.emitters + emitter;
     mcv_color radiance = mcv_color_at(e->radiance);

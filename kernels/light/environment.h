@@ -46,9 +46,8 @@ MCV_FUNCTION float mcv_environment_density(mcv_world world, __global const mcv_d
 #endif
 
 /*
- * The environment's light along a ray that met nothing, L/n², weighed against next-event
- * estimation, which looks for its image, by the power heuristic; `density` is that of the ray's
- * choice, 0 for smooth surfaces.
+ * The environment's light along a ray that met nothing, L/n². The power heuristic weights its image
+ * against next-event estimation. `density` is that of the ray's choice, 0 for smooth surfaces.
  */
 MCV_FUNCTION mcv_color mcv_environment_seen(mcv_world world, mcv_vec3 direction, uint media,
                                             float density) {

@@ -48,9 +48,9 @@ typedef struct mcv_light_path {
 } mcv_light_path;
 
 enum {
-    MCV_LIGHT_CARRIED = 1, /* has met a smooth or sharp surface, */
+    MCV_LIGHT_CARRIED = 1, /* has met a smooth or near-specular surface, */
     MCV_LIGHT_OPEN = 2,    /* and no other one yet */
-    MCV_LIGHT_SPREAD = 4,  /* has met a surface that spreads light */
+    MCV_LIGHT_SPREAD = 4,  /* has met a scattering surface */
     MCV_LIGHT_FOUND = 8    /* camera paths find it, too */
 };
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What a receiver asks an emitter for, and what it gets: a shadow ray and its light. */
+/* A receiver, which samples an emitter, and the result: a shadow ray and its light. */
 #ifndef MCVISI_KERNELS_SHADOW_H
 #define MCVISI_KERNELS_SHADOW_H
 
@@ -7,7 +7,7 @@
 #include "path/sampler.h"
 #include "world.h"
 
-/* Where an emitter is looked for from. */
+/* The point that samples an emitter. */
 typedef struct mcv_receiver {
     mcv_vec3 point, error, face;
 } mcv_receiver;

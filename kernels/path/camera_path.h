@@ -59,7 +59,7 @@
                                        it is smooth */ \
     X(selection, \
       2 * MCV_WITH_NEXT_EVENT * MCV_WITH_REACH) /* emitters' chances at the last surface that \
-                                                   spread light (kernels/light/selection.h) */ \
+                                                   scattered light (kernels/light/selection.h) */ \
     X(path_class, MCV_WITH_LIGHT_TRACING)       /* MCV_PATH_CLASS_… */ \
     X(footprint, MCV_WITH_LIGHT_TRACING) /* of the pixel at the first diffuse surface [m²] */
 
@@ -83,7 +83,7 @@
 #define MCV_CAMERA_HIT_FIELDS(X) \
     X(branch_state, (5 + MCV_CHANNELS) * MCV_TILE * \
                         MCV_WITH_SPLIT) /* direction, media, density and throughput of a branch */ \
-    X(emitter, MCV_TILE *MCV_WITH_NEXT_EVENT) /* that the path looks for, or MCV_NONE */ \
+    X(emitter, MCV_TILE *MCV_WITH_NEXT_EVENT) /* that the path samples, or MCV_NONE */ \
     X(place, 4 * MCV_TILE * MCV_WITH_NEXT_EVENT * \
                  MCV_WITH_TEXTURE) /* a point on it: triangle, u, v, density of its choice */ \
     X(selection_here, 2 * MCV_WITH_NEXT_EVENT * MCV_WITH_REACH) /* at this surface */ \
@@ -127,9 +127,9 @@ enum {
     MCV_PATH_CLASS_STRAIGHT, /* nothing but what passes light straight on */
     MCV_PATH_CLASS_OTHER,    /* first of all another smooth surface, or a glossy one */
     MCV_PATH_CLASS_DIFFUSE,  /* first a diffuse surface; the last one, too */
-    MCV_PATH_CLASS_GLOSSY, /* first a diffuse surface; the last one that spreads light is glossy */
-    MCV_PATH_CLASS_CARRIED /* first a diffuse surface; then, too, but for smooth and sharp ones
-                              since */
+    MCV_PATH_CLASS_GLOSSY,   /* first a diffuse surface; the last scattering one is glossy */
+    MCV_PATH_CLASS_CARRIED   /* first a diffuse surface; then, too, but for smooth and near-specular
+                                ones   since */
 };
 
 #if MCV_ON_DEVICE

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Adds the light that a path finds by itself: of the surface of an emitter, or of the environment.
- */
+/* Adds the light that a path meets by itself: of an emitter's surface, or of the environment. */
 #ifndef MCVISI_KERNELS_SHADE_EMISSION_H
 #define MCVISI_KERNELS_SHADE_EMISSION_H
 
@@ -47,15 +46,15 @@ MCV_LOOP_FUNCTION void mcv_add_emission(mcv_world world, mcv_slot slot,
                                         const mcv_emitter_hit *met) {
     mcv_color emitted = mcv_basic_radiance(world, met->radiance, mcv_path_media(slot));
     if (MCV_WITH_NEXT_EVENT) {
-        /* Sharp surfaces have not looked for it (mcv_choose_emitter). */
+        /* Near-specular surfaces have not sampled it (mcv_leaves_to_light_paths). */
         const int carried =
             MCV_WITH_LIGHT_TRACING && (MCV_WORD(slot, path_class, 0) == MCV_PATH_CLASS_CARRIED) &
                                           (world.emitters[met->emitter].light_flux > 0.0f);
         const float density =
                         mcv_density_against(world, slot, met->emitter, mcv_path_density(slot)),
                     own = carried ? 0.0f : density, weight = mcv_power_heuristic(own, met->other);
-        const int chosen = own > 0.0f, shines = mcv_brightest(emitted) > 0.0f;
-        emitted = mcv_dim(emitted, (chosen & shines) ? weight : 1.0f);
+        const int chosen = own > 0.0f, emits = mcv_brightest(emitted) > 0.0f;
+        emitted = mcv_dim(emitted, (chosen & emits) ? weight : 1.0f);
     }
     mcv_add_radiance(slot, mcv_dim(emitted, met->share));
 }
