@@ -113,7 +113,9 @@ def is_test(name):
     """Whether a program of that name, and the functions that the pattern behind it names, exist."""
     program, _, pattern = name.partition(":")
     sources = list((ROOT / "tests").glob(f"*/{program}.c"))
-    functions = [t for p in sources for t in re.findall(r"cmocka_unit_test\w*\((\w+)", test_text(p))]
+    functions = [
+        t for p in sources for t in re.findall(r"cmocka_unit_test\w*\((\w+)", test_text(p))
+    ]
     return bool(sources) and (not pattern or bool(fnmatch.filter(functions, pattern)))
 
 
@@ -122,7 +124,7 @@ def read_mutants(path):
     mutants = [Mutant(e) for e in entries]
     names = [m.name for m in mutants]
     if doubled := {n for n in names if names.count(n) > 1}:
-        raise ValueError(f"{path}: two mutants are called \"{doubled.pop()}\"")
+        raise ValueError(f'{path}: two mutants are called "{doubled.pop()}"')
     return mutants
 
 
