@@ -147,7 +147,8 @@ add_emitter() {
     before host/scene/emitters.c '    if (mcv_emitter_is_surface_light(emitter->type)) return 2 * M_PI;' \
         '    if (emitter->type == MCV_EMITTER_LED) return 2 * M_PI;'
     # 4. What the device needs of it.
-    before host/scene/emitters_device.c '    if (emitter->type == MCV_EMITTER_SPOT) {' "$(cat "$examples/emitter/emitters_device.c")"
+    before host/scene/emitters_device.c '    if (emitter->type == MCV_EMITTER_SPOT) {' \
+        "$(cat "$examples/emitter/emitters_device.c")"
     # 5. The model once more, in the reference renderer.
     before host/reference/lights.c '    case MCV_EMITTER_SPOT: {' "$(cat "$examples/emitter/lights.c")"
 }
@@ -163,7 +164,8 @@ add_surface_light() {
     before host/scene/emitters.c '    const double beta = mcv_emitter_half_angle(emitter);' \
         "$(cat "$examples/surface_light/emitters.c")"
     # 4. What the device needs of it.
-    after host/scene/emitters_device.c '*device = (mcv_surface_light)' "$(cat "$examples/surface_light/emitters_device.c")"
+    after host/scene/emitters_device.c '*device = (mcv_surface_light)' \
+        "$(cat "$examples/surface_light/emitters_device.c")"
     # 5. The model once more, in the reference renderer.
     before host/reference/emission.c '    case MCV_EMITTER_PARALLEL:' "$(cat "$examples/surface_light/emission.c")"
 }
