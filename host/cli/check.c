@@ -59,7 +59,7 @@ mcv_result mcv_verb_check(const mcv_command *command, mcv_error *error) {
             const bool disk =
                 type == MCV_SENSOR_THIN_LENS ||
                 type == MCV_SENSOR_TELECENTRIC; /* pupil guiding needs a round pupil */
-            const uint32_t all = (1u << MCV_FEATURE_COUNT) - 1;
+            const uint32_t all = MCV_ALL_FEATURES;
             print_defines(disk ? all : all & ~(1u << MCV_FEATURE_AIM), 3, type);
         }
         return MCV_OK;

@@ -63,7 +63,9 @@
 #define MCV_HIT_FIELDS(X) \
     X(hit, 4)                              /* t, u, v, triangle */ \
     X(drawn, 6 * MCV_TILE)                 /* the surface's pairs of random numbers */ \
-    X(reflectance, MCV_CHANNELS *MCV_TILE) /* of a plain diffuse surface */ \
+    X(reflectance, MCV_CHANNELS *MCV_TILE) /* of a diffuse surface; base colour of a glossy one */ \
+    X(polish, 2 * MCV_TILE * MCV_WITH_GLOSS * MCV_WITH_TEXTURE) /* of a glossy one: what an image \
+                                                     makes of its roughness and metallic share */ \
     X(bounce, 4 * MCV_TILE) /* the direction in which the surface reflects if it is diffuse, and \
                                its density */ \
     X(point, 3 * MCV_TILE)  /* of the surface, as in mcv_surface */ \

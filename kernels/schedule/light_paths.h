@@ -38,7 +38,7 @@ MCV_BATCH void mcv_classify_light_hits(mcv_world world, mcv_slot slot, uint coun
         MCV_STORE(slot, light_length, 0, MCV_LOAD(slot, light_length, 0) + MCV_LOAD(slot, hit, 0));
     }
     mcv_sort_paths(slot.base, classes, count, class_end);
-    mcv_find_interactions(world, slot.base, class_end);
+    mcv_find_interactions(world, slot.base, class_end, *gloss);
 }
 
 /* Adds to the film what the paths send to the lens from surfaces that spread light. */
