@@ -72,6 +72,7 @@ static void mcv_find_contacts(mcv_world world, mcv_vec3 origin, mcv_hit hit,
                               mcv_interaction *interaction) {
     interaction->exited = interaction->entered = 0u;
     interaction->touched = MCV_NONE;
+    interaction->touched_face = interaction->face;
     const uint own = world.instances[interaction->surface.instance].medium;
     if (MCV_WITH_SURFACES && own != 0u) mcv_find_exact_contacts(world, own, interaction);
     interaction->beyond_point = interaction->surface.point;

@@ -66,7 +66,7 @@ MCV_BATCH uint mcv_shade_light_hits(mcv_world world, mcv_slot slot, const uint *
             mcv_draw(slot, depth, MCV_PAIR_CHOICE), depth, unmatched, &path);
         mcv_store_light_path(slot, path);
     }
-    mcv_offset_origins(slot.base, alive);
+    mcv_offset_origins(world, slot.base, alive);
     const uint next = mcv_compact_indices(fate, alive, chosen);
     if (next < alive) mcv_move_paths(slot.base, chosen, next);
     return next;

@@ -69,6 +69,21 @@ MCV_BATCH void mcv_find_surfaces(mcv_world world, uint *paths, const uint *class
     mcv_find_exacts(world, paths, second_end, class_end[MCV_LAST_CLASS]);
 }
 
+#if MCV_WITH_CONTACT
+/* Surfaces in the same place as those that the first `count` paths have met: only bodies have any.
+ */
+MCV_BATCH void mcv_find_contact_rows(mcv_world world, uint *paths, uint count) {
+    uint flags[MCV_ROW], chosen[MCV_SLOTS];
+    MCV_VECTORIZE
+    MCV_EACH_PATH (slot, paths, 0, count) {
+        mcv_put_no_contact(slot);
+        flags[slot.index] = world.instances[MCV_WORD(slot, instance, 0)].medium;
+    }
+    const uint bodies = mcv_compact_indices(flags, count, chosen);
+    for (uint i = 0; i < bodies; ++i) mcv_find_contact(world, mcv_slot_at(paths, chosen[i]));
+}
+#endif
+
 MCV_LOOP_FUNCTION mcv_color mcv_reflectance_of(mcv_world world, uint instance) {
     mcv_color reflectance;
     MCV_EACH_CHANNEL(c)
@@ -155,6 +170,9 @@ MCV_BATCH void mcv_find_polish(mcv_world world, uint *paths, uint first, uint la
  * the glossy classes. */
 static void mcv_find_interactions(mcv_world world, uint *paths, const uint *class_end, uint gloss) {
     mcv_find_surfaces(world, paths, class_end);
+#if MCV_WITH_CONTACT
+    mcv_find_contact_rows(world, paths, class_end[MCV_LAST_CLASS]);
+#endif
     (void)gloss;
     if (!MCV_WITH_PLAIN) return;
 #if MCV_WITH_TEXTURE
@@ -201,12 +219,11 @@ MCV_BATCH void mcv_sample_diffuse_directions(uint *paths, uint first, uint last)
 #endif
 
 /* The origins of the rays that leave the surfaces, in the directions that they have got. */
-MCV_BATCH void mcv_offset_origins(uint *paths, uint count) {
+MCV_BATCH void mcv_offset_origins(mcv_world world, uint *paths, uint count) {
     MCV_VECTORIZE
     MCV_EACH_PATH (slot, paths, 0, count) {
         const mcv_vec3 origin =
-            mcv_offset_origin(MCV_LOAD_3(slot, point), MCV_LOAD_3(slot, error),
-                              MCV_LOAD_3(slot, face), MCV_LOAD_3(slot, direction));
+            mcv_onward_origin(mcv_make_interaction(world, slot), MCV_LOAD_3(slot, direction));
         MCV_STORE_3(slot, origin, origin);
     }
 }
