@@ -119,6 +119,17 @@ MCV_LOOP_FUNCTION void mcv_put_no_contact(mcv_slot slot) {
     MCV_STORE_3(slot, touched_face, MCV_LOAD_3(slot, face));
 }
 
+/* Whether the surface that a path has met may have others in the same place. */
+MCV_LOOP_FUNCTION int mcv_may_touch(mcv_world world, mcv_slot slot) {
+    const mcv_interaction interaction = mcv_make_interaction(world, slot);
+    const uint medium = world.instances[interaction.surface.instance].medium;
+    const int near = MCV_WITH_SURFACES ||
+                     mcv_is_near_others(world, interaction.surface.point, medium > 0u ? medium : 1u,
+                                        mcv_contact_band(&interaction, interaction.surface.error,
+                                                         MCV_LOAD(slot, hit, 0)));
+    return (medium != 0u) & near;
+}
+
 /* Looks for surfaces in the same place as the one of a body that a path has met. */
 MCV_FUNCTION void mcv_find_contact(mcv_world world, mcv_slot slot) {
     const mcv_hit hit = {MCV_LOAD(slot, hit, 0), MCV_LOAD(slot, hit, 1), MCV_LOAD(slot, hit, 2),

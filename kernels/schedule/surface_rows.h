@@ -77,7 +77,7 @@ MCV_BATCH void mcv_find_contact_rows(mcv_world world, uint *paths, uint count) {
     MCV_VECTORIZE
     MCV_EACH_PATH (slot, paths, 0, count) {
         mcv_put_no_contact(slot);
-        flags[slot.index] = world.instances[MCV_WORD(slot, instance, 0)].medium;
+        flags[slot.index] = (uint)mcv_may_touch(world, slot);
     }
     const uint bodies = mcv_compact_indices(flags, count, chosen);
     for (uint i = 0; i < bodies; ++i) mcv_find_contact(world, mcv_slot_at(paths, chosen[i]));
