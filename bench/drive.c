@@ -87,7 +87,7 @@ static uint32_t all_features(const mcv_packed *packed) {
                                   1u << MCV_FEATURE_DISPERSION | 1u << MCV_FEATURE_REACH |
                                   1u << MCV_FEATURE_SPLIT | 1u << MCV_FEATURE_EARLY_ROULETTE |
                                   1u << MCV_FEATURE_MIXED;
-    uint32_t features = ((1u << MCV_FEATURE_COUNT) - 1) & ~not_elements;
+    uint32_t features = MCV_ALL_FEATURES & ~not_elements;
     if (packed->emitter_count == 0)
         features &= ~(1u << MCV_FEATURE_NEXT_EVENT | 1u << MCV_FEATURE_RECTANGLE);
     return features | packed->features;

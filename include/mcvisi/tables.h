@@ -83,7 +83,7 @@ typedef struct mcv_device_instance {
 MCV_ASSERT_SIZE(mcv_device_instance, 20);
 
 /*
- * Shading classes of surfaces that do not emit and have no texture: diffuse, isotropic microfacets,
+ * Shading classes of surfaces that do not emit: diffuse ones that nothing passes, microfacets,
  * smooth bodies, absorbers. Scenes with few emitters have one more class: MCV_SHADING_BLACK plus 1
  * plus the emitter's index is the surface of an emitter whose radiance depends on the angle alone.
  * All other surfaces are one class.
