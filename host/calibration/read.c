@@ -84,7 +84,9 @@ static mcv_result load(const char *path, char **text, mcv_error *error) {
         (*text)[size] = '\0';
     }
     free(bytes);
-    return *text ? MCV_OK : mcv_fail(error, MCV_BAD_INPUT, "%s: is no text of a camera", path);
+    if (*text) return MCV_OK;
+    mcv_fail(error, MCV_BAD_INPUT, "%s: is no text of a camera", path);
+    return MCV_BAD_INPUT;
 }
 
 /* The next line that is neither empty nor a comment; it is ended. */
@@ -101,33 +103,47 @@ static char *next_line(char **rest) {
 
 /* --- COLMAP --- */
 
+/* Numbers with blanks between them, at most `most`; *text is what follows. */
+static int take_numbers(const char **text, double *numbers, int most) {
+    int count = 0;
+    for (char *end; count < most; ++count, *text = end) {
+        numbers[count] = strtod(*text, &end);
+        if (end == *text) break;
+    }
+    return count;
+}
+
+static void take_word(const char **text, char *word, size_t size) {
+    *text += strspn(*text, " \t");
+    const size_t length = strcspn(*text, " \t\r");
+    snprintf(word, size, "%.*s", (int)(length < size ? length : size - 1), *text);
+    *text += length;
+}
+
+/* Distortion stands after the focal lengths and the centre. */
 static mcv_result read_colmap_camera(const char *path, char *text, mcv_calibration *camera,
                                      mcv_error *error) {
-    char model[32] = "", *rest = text, *line = next_line(&rest);
     enum { MOST = 12 };
-    double n[MOST] = {0};
-    int begin = 0, found = 0;
-    if (line && sscanf(line, "%*d %31s %u %u%n", model, &camera->model.size[0],
-                       &camera->model.size[1], &begin) == 3)
-        for (char *end; found < MOST; ++found, begin = (int)(end - line)) {
-            n[found] = strtod(line + begin, &end);
-            if (end == line + begin) break;
-        }
-    /* Focal lengths, then the centre, then distortion. */
-    const bool one = strncmp(model, "SIMPLE_", 7) == 0 || strcmp(model, "RADIAL") == 0;
-    const int needed = one ? 3 : 4;
     static const char *const known[] = {"PINHOLE", "SIMPLE_PINHOLE", "SIMPLE_RADIAL",
                                         "RADIAL",  "OPENCV",         "FULL_OPENCV"};
-    bool right = found >= needed;
-    bool is_known = false;
+    char model[32] = "", *rest = text;
+    const char *line = next_line(&rest);
+    double id, size[2], n[MOST] = {0};
+    bool right = line && take_numbers(&line, &id, 1) == 1, is_known = false;
+    if (right) take_word(&line, model, sizeof model);
+    const bool one = strncmp(model, "SIMPLE_", 7) == 0 || strcmp(model, "RADIAL") == 0;
+    const int needed = one ? 3 : 4;
     for (size_t i = 0; i < sizeof known / sizeof known[0]; ++i)
         is_known = is_known || strcmp(model, known[i]) == 0;
-    right = right && is_known;
+    right = right && is_known && take_numbers(&line, size, 2) == 2 &&
+            take_numbers(&line, n, MOST) >= needed;
     if (!right)
         return mcv_fail(error, MCV_BAD_INPUT,
                         "%s: must have a line as in `1 PINHOLE 640 480 FX FY CX CY`", path);
     if (next_line(&rest))
         return mcv_fail(error, MCV_BAD_INPUT, "%s: has several cameras: leave one of them", path);
+    for (int i = 0; i < 2; ++i)
+        camera->model.size[i] = size[i] >= 1 && size[i] < 1e9 ? (uint32_t)size[i] : 0;
     MCV_TRY(mcv_calibration_refuse_distortion(path, n + needed, MOST - (size_t)needed, error));
     const double focal[2] = {n[0], n[one ? 0 : 1]}, centre[2] = {n[needed - 2], n[needed - 1]};
     return mcv_calibration_set_perspective(path, focal, centre, camera, error);
@@ -135,18 +151,21 @@ static mcv_result read_colmap_camera(const char *path, char *text, mcv_calibrati
 
 static mcv_result read_colmap_pose(const char *path, char *text, mcv_calibration *camera,
                                    mcv_error *error) {
-    char *rest = text, *line = next_line(&rest);
-    double q[4], *t = camera->model.translation;
+    enum { COUNT = 9 }; /* image, q, t, camera */
+    char *rest = text;
+    const char *line = next_line(&rest);
+    double n[COUNT];
     if (!line) return MCV_OK;
-    if (sscanf(line, "%*d %lf %lf %lf %lf %lf %lf %lf %*d %127s", q, q + 1, q + 2, q + 3, t, t + 1,
-               t + 2, camera->name) < 7)
+    if (take_numbers(&line, n, COUNT) < COUNT)
         return mcv_fail(error, MCV_BAD_INPUT,
                         "%s: must have a line as in `1 QW QX QY QZ TX TY TZ 1 NAME`", path);
+    take_word(&line, camera->name, sizeof camera->name);
     /* The line after it is of points, and may be empty. */
     if (rest) rest = strchr(rest, '\n');
     if (next_line(&rest))
         return mcv_fail(error, MCV_BAD_INPUT, "%s: has several images: leave one of them", path);
-    mcv_rotation_of_quaternion(q, camera->model.rotation);
+    mcv_rotation_of_quaternion(n + 1, camera->model.rotation);
+    memcpy(camera->model.translation, n + 5, sizeof camera->model.translation);
     camera->posed = true;
     return MCV_OK;
 }
