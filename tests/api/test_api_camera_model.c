@@ -139,7 +139,7 @@ static void matrix_of(const json_t *model, const char *key, double *numbers) {
 
 /* OpenCV and ROS: (u, v, w) = K (R X + t), and the centre of the first pixel is (0, 0). */
 static void project_yaml(const char *text, const double x[3], double pixel[2]) {
-    double k[11], r[11], t[5], p[3]; /* rows and columns stand before */
+    double k[11] = {0}, r[11] = {0}, t[5] = {0}, p[3]; /* rows and columns stand before */
     numbers_after(text, "camera_matrix:", k, 11);
     numbers_after(text, "rotation:", r, 11);
     numbers_after(text, "tvec:", t, 5);
@@ -149,7 +149,7 @@ static void project_yaml(const char *text, const double x[3], double pixel[2]) {
 }
 
 static void project_affine(const char *text, const double x[3], double pixel[2]) {
-    double a[14];
+    double a[14] = {0};
     numbers_after(text, "projection_matrix: !!opencv-matrix", a, 14);
     for (int i = 0; i < 2; ++i) {
         const double *row = a + 2 + (size_t)4 * i;
@@ -167,7 +167,7 @@ static void multiply(const double a[9], const double b[9], double c[9]) {
 /* HALCON: R = R_x R_y R_z, p = R X + T, u = Focus p_x / p_z (telecentric: Magnification p_x),
  * column = u / Sx + Cx; the centre of the first pixel is (0, 0). */
 static void project_halcon(const char *text, bool telecentric, const double x[3], double pixel[2]) {
-    double n[8], pose[6], s[3], c[3], half[9], r[9], p[3];
+    double n[8] = {0}, pose[6] = {0}, s[3], c[3], half[9], r[9], p[3];
     numbers_after(text, "division'", n, 8);
     numbers_after(text, "create_pose", pose, 6);
     for (int i = 0; i < 3; ++i) {
@@ -184,7 +184,7 @@ static void project_halcon(const char *text, bool telecentric, const double x[3]
 
 /* COLMAP: q X q* + t, column = f_x x/z + c_x; the corner of the first pixel is (0, 0). */
 static void project_colmap(const double x[3], double pixel[2]) {
-    double n[6], pose[7], cross[2][3], p[3];
+    double n[6] = {0}, pose[7] = {0}, cross[2][3], p[3];
     char *cameras = strdup(read_whole("model4/cameras.txt")),
          *images = strdup(read_whole("model4/images.txt"));
     numbers_after(cameras, "1 PINHOLE", n, 6);
@@ -209,7 +209,7 @@ static void check_projection(const mcv_rig *rig, const char *sensor, int format)
     const bool telecentric = strcmp(sensor, "tele") == 0;
     char *text = export_model(rig, sensor, format);
     json_t *model = model_of(rig, sensor);
-    double k[9], r[9], t[3];
+    double k[9] = {0}, r[9] = {0}, t[3] = {0};
     matrix_of(model, telecentric ? "A" : "K", k);
     matrix_of(model, "R", r);
     matrix_of(model, "t", t);
@@ -254,7 +254,7 @@ static void test_points_lie_where_each_program_puts_them(void **state) {
 static void expect_camera(const char *text, const double k[4], const char *told) {
     mcv_rig *rig = parse_rig(empty);
     char *report = NULL;
-    double found[9];
+    double found[9] = {0};
     write_file("other", text);
     WELL(mcv_rig_add_camera(rig, "other", "{\"sensor\": \"c\", \"pixel_size\": \"4um\"}", &report,
                             &error));
