@@ -100,7 +100,6 @@ static mcv_result sweep_file(const mcv_command *given, const char *path, mcv_err
     mcv_result result = read_rig(document, path, rig, error);
     json_object_del(document, "rig");
     json_object_del(document, "fingerprint");
-    json_object_del(document, "note");
     if (result == MCV_OK)
         result = mcv_arguments_read(document, path, given, path, &arguments, error);
     json_decref(document);

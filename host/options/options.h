@@ -328,6 +328,13 @@ enum {
       "other metric with --until at most its own, within --spp and --time; may be repeated") \
     X(choice, in, "in", 0, "image|emd-gradient", MCV_IN_SWEEP, "image", 0, 0, \
       "measure in the image, or in the Earth Mover's gradient of a light field image") \
+    X(text, best, "best", 0, "NAME=largest|smallest", MCV_IN_SWEEP, NULL, 0, 0, \
+      "mark the set in which this metric is largest or smallest, and tell which sets are as " \
+      "good") \
+    X(text, title, "title", 0, "TEXT", MCV_IN_SWEEP, NULL, 0, 0, \
+      "the page's heading; by default Sweep of RIG") \
+    X(text, note, "note", 0, "TEXT", MCV_IN_SWEEP, NULL, 0, 0, \
+      "a sentence below the page's heading: what the sweep is to show") \
     X(text, table, "output", 'o', "F.csv", MCV_IN_SWEEP, NULL, 0, 0, \
       "the table; by default RIG-sweep.csv or EXPERIMENT-sweep.csv. Beside it are written " \
       "F.json, the experiment, and F.html, the page") \
