@@ -249,9 +249,9 @@ MCV_API mcv_result mcv_session_trace(mcv_session *session, const mcv_rig *rig, c
 
 /*
  * Told of each set of a sweep as it is measured, as a JSON object {"set": n, "sets": all,
- * "parameters": {name: value}, "metrics": {name: {"value", "uncertainty"}}, "samples", "error",
- * "seconds", "message": why the set failed, or null}; and about ten times a second while a set is
- * rendered with row NULL. False stops the sweep; rows so far stay in the table.
+ * "parameters": {name: value}, "metrics": {name: {"value", "uncertainty", "unit"}}, "samples",
+ * "error", "seconds", "message": why the set failed, or null}; and about ten times a second while a
+ * set is rendered with row NULL. False stops the sweep; rows so far stay in the table.
  */
 typedef bool mcv_row_call(void *user, const char *row);
 
