@@ -355,8 +355,8 @@ enum {
       "print the -D options that specialise the scene's OpenCL programs; without a scene, " \
       "those with all features") \
     X(flag, json, "json", 0, NULL, \
-      MCV_IN_RENDERS | MCV_IN_CHECK | MCV_IN_COMPARE | MCV_IN_CAMERA | MCV_IN_MEASURE | \
-          MCV_IN_LIGHTFIELD | MCV_IN_DEVICES | MCV_IN_HELP, \
+      MCV_IN_RENDERS | MCV_IN_NEW | MCV_IN_CHECK | MCV_IN_COMPARE | MCV_IN_CAMERA | \
+          MCV_IN_MEASURE | MCV_IN_LIGHTFIELD | MCV_IN_IMPORT | MCV_IN_DEVICES | MCV_IN_HELP, \
       NULL, 0, 0, \
       "print JSON in SI units; render prints one object per sensor, each on one line; help " \
       "prints a schema of the options")

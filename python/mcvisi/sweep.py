@@ -90,6 +90,8 @@ class Sweep:
         self._job: Optional[Job] = None
         self._ended = False
         self._lock = threading.Lock()
+        #: What is odd in the scene, in sentences.
+        self.notes: List[str] = []
         #: The summary of the sweep, once it has ended.
         self.report: Mapping[str, Any] = {}
         if self._options.get("output") is None:
@@ -104,13 +106,18 @@ class Sweep:
 
     def _work(self, job: Job) -> Mapping[str, Any]:
         def told(_user: Any, row: Any) -> bool:
-            if not job.stopped and (row != ffi.NULL or self._bar is not None):
-                # None: nothing new, but that time goes by.
-                job.tell(None if row == ffi.NULL else Row(json.loads(ffi.string(row).decode())))
+            if job.stopped:
+                return False
+            found = json.loads(ffi.string(row).decode()) if row != ffi.NULL else {}
+            self.notes += [note["text"] for note in found.get("notes", ())]
+            if "set" in found:
+                job.tell(Row(found))
+            elif self._bar is not None:
+                job.tell(None)  # nothing new, but that time goes by
             return not job.stopped
 
         report, error = ffi.new("char **"), ffi.new("mcv_error *")
-        callback = ffi.callback("mcv_row_call", told, error=False)
+        callback = ffi.callback("mcv_told_call", told, error=False)
         try:
             call(
                 "mcv_session_sweep",
@@ -123,6 +130,7 @@ class Sweep:
             )
         except Error as failure:
             if not job.stopped or failure.code != 130:
+                take_text(report)  # there is one where all sets failed
                 raise
         words = take_text(report)
         found: Mapping[str, Any] = json.loads(words) if words else {}

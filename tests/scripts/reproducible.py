@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Two builds of two copies in two folders are the same bytes: reproducible.py SOURCE FOLDER [PYTHON]
+"""Two builds of two copies in two folders are the same bytes.
+
+    reproducible.py SOURCE FOLDER [PYTHON]
 
 Compared are the program, both libraries, the flattened OpenCL programs, manual pages, completion
 and, with a PYTHON that has what the package is built with, the wheel. Nothing is
