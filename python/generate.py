@@ -208,11 +208,13 @@ RIG_VERBS = [
         "sweep",
         "Renders and measures many sets of parameters.\n\n"
         "vary: paths and their values: a list, mcvisi.linear(first, last, count) or mcvisi.log.\n"
+        "progress: None for a bar in a terminal or notebook, False for none.\n"
         "session: the Session to use, by default one for all.",
-        'vary: "Mapping[str, Values]"; session: Optional[Session] = None',
+        'vary: "Mapping[str, Values]"; progress: Optional[Literal[False]] = None; '
+        "session: Optional[Session] = None",
         "Sweep",
-        "return self._sweep(vary, session, options)",
-        without="vary rig note fingerprint",
+        "return self._sweep(vary, progress, session, options)",
+        without="vary rig fingerprint",
     ),
     Verb(
         "trace",

@@ -272,10 +272,10 @@ MCV_API mcv_result mcv_session_trace(mcv_session *session, const mcv_rig *rig, c
  * Renders and measures many sets of parameters: options are those of `mcvisi sweep`. With "output"
  * the table, the experiment and the page are written beside each other; without, only the rows are
  * told: each set as it is measured, as {"set": n, "sets": all, "parameters": {name: value},
- * "metrics": {name: {"value", "uncertainty"}}, "samples", "error", "seconds", "message": why the
- * set failed, or null}; notes before the first set; and about ten times a second, while a set is
- * rendered, NULL. *report: the summary of `mcvisi sweep --json`. MCV_INTERRUPTED where told returns
- * false: rows so far stay in the table. MCV_FAILED, with a report, where all sets failed.
+ * "metrics": {name: {"value", "uncertainty", "unit"}}, "samples", "error", "seconds", "message":
+ * why the set failed, or null}; notes before the first set; and about ten times a second, while a
+ * set is rendered, NULL. *report: the summary of `mcvisi sweep --json`. MCV_INTERRUPTED where told
+ * returns false: rows so far stay in the table. MCV_FAILED, with a report, where all sets failed.
  */
 MCV_API mcv_result mcv_session_sweep(mcv_session *session, const mcv_rig *rig, const char *options,
                                      mcv_told_call *told, void *user, char **report,

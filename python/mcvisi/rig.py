@@ -364,10 +364,12 @@ class Rig(RigVerbs, Handle):
             )
         return _columns(take_text(table))
 
-    def _sweep(self, vary: Any, session: Optional[Session], options: Mapping[str, Any]) -> "Sweep":
+    def _sweep(
+        self, vary: Any, progress: Any, session: Optional[Session], options: Mapping[str, Any]
+    ) -> "Sweep":
         from mcvisi.sweep import Sweep
 
-        return Sweep(self, session_of(session), vary, options)
+        return Sweep(self, session_of(session), vary, progress, options)
 
 
 def _few(names: List[str]) -> str:

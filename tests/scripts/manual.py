@@ -31,7 +31,7 @@ def known_options(program):
     verbs = re.findall(r"^  mcvisi ([a-z][a-z-]+)", output(program, "help"), re.M)
     schemas = {v: json.loads(output(program, "help", v, "--json"))["properties"] for v in verbs}
     # An experiment has three keys of its own beside the options of sweep.
-    for key in ("rig", "note", "fingerprint"):
+    for key in ("rig", "fingerprint"):
         schemas["sweep"].pop(key)
     return {v: {o: s.get("enum") for o, s in schema.items()} for v, schema in schemas.items()}
 
