@@ -76,8 +76,8 @@ MCV_BATCH void mcv_select_block(mcv_world world, mcv_slot slot, uint first, uint
     }
 }
 
-/* mcv_select_emitter for the paths in the slots first … last - 1, whose surfaces spread light on so
- * many sides. */
+/* mcv_select_emitter for the paths in the slots first … last - 1, whose surfaces scatter light on
+ * so many sides. */
 MCV_BATCH void mcv_select_rows(mcv_world world, mcv_slot slot, uint first, uint last,
                                const uint *sides) {
     for (uint begin = first; begin < last; begin += MCV_SELECTION_BLOCK)
