@@ -29,8 +29,9 @@ typedef bool mcv_pass_told(void *user, double fraction, double seconds, double e
 
 typedef bool mcv_enough(void *user, const mcv_film *film);
 
-/* When noisier pixels get more samples: if that takes fewer of them by a tenth for an error; or if
- * it takes less time, too, even where those of noisy pixels take half as long again. */
+/* When noisier pixels get more samples: if that takes fewer of them by a tenth for an error; or
+ * only if it takes fewer by a quarter, and so less time even where those of noisy pixels take
+ * longer. */
 enum { MCV_ADAPTIVE_OFF, MCV_ADAPTIVE_ON, MCV_ADAPTIVE_AUTO };
 
 typedef struct mcv_render_options {
