@@ -475,8 +475,6 @@ def write_ply(path, shape):
     head += [f"element face {len(shape['triangles'])}", "property list uchar int vertex_indices", "end_header"]
     faces = np.zeros(len(shape["triangles"]), dtype=[("n", "u1"), ("i", "<i4", 3)])
     faces["n"], faces["i"] = 3, shape["triangles"]
-    if shape["uv"] is not None:  # pictures begin at the top in glTF
-        columns[-1] = columns[-1] * [1, -1] + [0, 1]
     path.write_bytes("\n".join(head).encode() + b"\n" + np.concatenate(columns, axis=1).astype("<f4").tobytes() + faces.tobytes())
 
 
