@@ -57,9 +57,8 @@
     X(value, MCV_TILE)        /* of the path in its slice */ \
     X(density, MCV_WITH_NEXT_EVENT) /* with which the last surface chose the direction [1/sr]; 0: \
                                        it is smooth */ \
-    X(selection, \
-      (2 * MCV_WITH_REACH + 3 * MCV_WITH_LIGHT_TREE) * MCV_WITH_NEXT_EVENT) /* where \
-                   light was last scattered (light/selection.h; light/tree.h: normal) */ \
+    /* Of the last surface that scattered light: light/selection.h; light/tree.h: its normal. */ \
+    X(selection, (2 * MCV_WITH_REACH + 3 * MCV_WITH_LIGHT_TREE) * MCV_WITH_NEXT_EVENT) \
     X(path_class, MCV_WITH_LIGHT_TRACING) /* MCV_PATH_CLASS_… */ \
     X(footprint, MCV_WITH_LIGHT_TRACING)  /* of the pixel at the first diffuse surface [m²] */
 
