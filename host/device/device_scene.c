@@ -319,6 +319,7 @@ mcv_result mcv_device_scene_place(mcv_cl *cl, const mcv_scene *scene, uint32_t s
                          readout.first[0] * readout.angular[0];
     const mcv_packed *packed = &device->packed;
     frame->emitter_count = packed->emitter_count;
+    frame->light_tree_depth = packed->light_tree_depth;
     frame->solid_count = packed->solid_count;
     frame->triangle_count = packed->triangle_count;
     frame->instance_count = packed->instance_count;

@@ -230,6 +230,7 @@ static void find_next_event(finding *f, const mcv_scene *scene, const mcv_packed
     add(f, MCV_FEATURE_RECTANGLE, emits && rectangle, "emitter", rectangle_name);
     add(f, MCV_FEATURE_REACH, emits && count > 1 && count <= MCV_MOST_REACHING,
         "the number of emitters", NULL);
+    add(f, MCV_FEATURE_LIGHT_TREE, emits && packed->light_tree, "the number of emitters", NULL);
     add(f, MCV_FEATURE_EARLY_ROULETTE, emits && !(f->features & by_chance),
         "no environment, glass or sheet", NULL);
 }

@@ -36,6 +36,7 @@ void mcv_packed_free(mcv_packed *packed) {
     free(packed->contact_grid);
     free(packed->emitters);
     free(packed->emitter_cdf);
+    free(packed->light_tree);
     free(packed->textures);
     free(packed->texels);
     free(packed->solids);

@@ -60,6 +60,8 @@ typedef struct mcv_packed {
     uint32_t *emitter_cdf; /* the first emitter_count + 1 entries choose an emitter; then those of
                               each emitter's triangles; then the choice of light paths */
     uint32_t light_cdf;    /* where the last ones begin */
+    mcv_light_node *light_tree; /* NULL with few emitters */
+    uint32_t light_node_count, light_tree_depth;
     mcv_ball balls[MCV_MAX_BALLS]; /* around all smooth surfaces */
     uint32_t ball_count;
     mcv_device_texture *textures;

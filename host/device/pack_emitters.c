@@ -12,14 +12,19 @@
 #include "scene/geometry.h"
 #include "scene/texture.h"
 
+/* The radiance of an emitter where its image has such a value, over all channels. */
+static double sum_of_channels(const mcv_emitter *emitter, const double image[3]) {
+    return emitter->radiance[0] * image[0] + emitter->radiance[1] * image[1] +
+           emitter->radiance[2] * image[2];
+}
+
 /* Power over all channels. For emitters at infinity, the power that falls on the scene's bounding
  * ball. */
 static double emitter_power(const mcv_scene *scene, const mcv_packed *packed,
                             const mcv_emitter *emitter) {
     double mean[3];
     mcv_emitter_image_mean(scene, emitter, mean);
-    const double brightness = emitter->radiance[0] * mean[0] + emitter->radiance[1] * mean[1] +
-                              emitter->radiance[2] * mean[2];
+    const double brightness = sum_of_channels(emitter, mean);
     const double disk = M_PI * pow(mcv_packed_size(packed) / 2, 2);
     if (emitter->type == MCV_EMITTER_DIRECTIONAL) return brightness * disk;
     if (emitter->type == MCV_EMITTER_ENVIRONMENT)
@@ -170,7 +175,12 @@ size_t mcv_environment_entries(const mcv_texture *image) {
     return image->height + 1 + (size_t)image->height * (image->width + 1);
 }
 
-/* The shares of rows and pixels in the sky's light, from entry `next` of the table on. */
+/*
+ * The shares of rows and pixels in the sky's light beyond its mean over all directions, from entry
+ * `next` of the table on. What is not brighter than the mean surfaces find well by themselves (MIS
+ * compensation: Karlik et al., MIS Compensation, ACM TOG 38(6), 2019); a sky of one colour is
+ * shared as it is.
+ */
 static mcv_result pack_environment(const mcv_scene *scene, mcv_packed *packed,
                                    const mcv_emitter *from, uint32_t number, size_t next,
                                    mcv_error *error) {
@@ -178,7 +188,9 @@ static mcv_result pack_environment(const mcv_scene *scene, mcv_packed *packed,
     bool failed = false;
     double *rows = mcv_pack_allocate(image->height, sizeof(double), &failed);
     double *pixels = mcv_pack_allocate(image->width, sizeof(double), &failed);
-    double decoded[256];
+    double decoded[256], mean[3];
+    mcv_emitter_image_mean(scene, from, mean);
+    const double common = sum_of_channels(from, mean);
     mcv_srgb_table(decoded);
     for (uint32_t row = 0; !failed && row < image->height; ++row) {
         uint32_t *cdf =
@@ -186,8 +198,8 @@ static mcv_result pack_environment(const mcv_scene *scene, mcv_packed *packed,
         for (uint32_t column = 0; column < image->width; ++column) {
             double rgb[3];
             mcv_texture_value(image, decoded, column, row, rgb);
-            pixels[column] = from->radiance[0] * rgb[0] + from->radiance[1] * rgb[1] +
-                             from->radiance[2] * rgb[2];
+            const double light = sum_of_channels(from, rgb);
+            pixels[column] = fmax(light - common, 0) + light / 64;
         }
         rows[row] = mcv_write_cdf(cdf, image->width, pixels) *
                     sin((2.0 * row + 1) * M_PI / (2.0 * image->height));
@@ -247,5 +259,5 @@ mcv_result mcv_pack_emitters(const mcv_scene *scene, mcv_packed *packed, mcv_err
     if (failed) return mcv_fail(error, MCV_FAILED, "%s: no memory for the emitters", scene->path);
     if (result != MCV_OK) return result;
     packed->light_cdf = (uint32_t)next;
-    return MCV_OK;
+    return count > MCV_MOST_REACHING ? mcv_pack_light_tree(scene, packed, error) : MCV_OK;
 }

@@ -47,6 +47,9 @@ uint32_t mcv_shading_of(const mcv_packed *packed, const mcv_device_instance *ins
 size_t mcv_environment_entries(const mcv_texture *image);
 mcv_result mcv_pack_emitters(const mcv_scene *scene, mcv_packed *packed, mcv_error *error);
 
+/* light_tree.c: the tree and the emitters' trails, from their other fields. */
+mcv_result mcv_pack_light_tree(const mcv_scene *scene, mcv_packed *packed, mcv_error *error);
+
 /* balls.c: packed->balls. They contain the bodies' coordinates as rounded on the device. */
 void mcv_find_balls(const mcv_scene *scene, mcv_packed *packed);
 

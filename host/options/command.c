@@ -10,6 +10,10 @@
 
 static bool is_option(const char *text) { return text[0] == '-' && text[1] != '\0'; }
 
+static bool may_stand_alone(const mcv_option *o) {
+    return o->kind == MCV_KIND_choice && mcv_option_has_word(o, "on");
+}
+
 /*
  * Parses the option at argv[*i] with its value: --name=value, --name value, -o value, -ovalue.
  * getopt_long is not used, because it accepts any prefix of a name: the meaning of --s would change
@@ -39,6 +43,9 @@ static mcv_result parse_option(char **argv, int argc, int *i, mcv_command *comma
     }
     if (o->kind == MCV_KIND_flag) {
         if (value) return mcv_fail(error, MCV_USAGE, "--%s takes no value", o->name);
+    } else if (!value && may_stand_alone(o) &&
+               (*i + 1 >= argc || !mcv_option_has_word(o, argv[*i + 1]))) {
+        value = "on";
     } else if (!value) {
         if (*i + 1 >= argc || strncmp(argv[*i + 1], "--", 2) == 0)
             return mcv_fail(error, MCV_USAGE, "--%s needs a value: %s", o->name, o->argument);

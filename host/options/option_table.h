@@ -51,6 +51,9 @@ const mcv_option *mcv_option_find_letter(unsigned verb_index, char letter);
 /* MCV_USAGE with the nearest option that the verb takes. */
 mcv_result mcv_option_fail_unknown(unsigned verb_index, const char *name, mcv_error *error);
 
+/* option_values.c: whether a text is one of the words of a choice. */
+bool mcv_option_has_word(const mcv_option *o, const char *text);
+
 /* option_values.c: sets the option's field of the command from a text. MCV_USAGE if the text is not
  * of its kind. */
 mcv_result mcv_option_set(const mcv_option *o, const char *text, mcv_command *command,

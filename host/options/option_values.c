@@ -91,6 +91,11 @@ static bool parse_choice(const char *text, const char *words, uint64_t *index) {
     }
 }
 
+bool mcv_option_has_word(const mcv_option *o, const char *text) {
+    uint64_t index;
+    return parse_choice(text, o->argument, &index);
+}
+
 mcv_result mcv_option_set(const mcv_option *o, const char *text, mcv_command *command,
                           mcv_error *error) {
     void *field = (char *)command + o->offset;

@@ -74,8 +74,9 @@ enum {
  *     count     an integer from min to max
  *     size      two counts WxH
  *     range     two counts A:B with A < B
- *     choice    one of the words in the argument, stored as its index
- * The default is written as on the command line; without one the field is zero.
+ *     choice    one of the words in the argument, stored as its index; where `on` is one of them
+ * the option may stand without a value, which means that one The default is written as on the
+ * command line; without one the field is zero.
  */
 #define MCV_OPTIONS(X) \
     X(text, exr, "output", 'o', "F.exr", MCV_IN_RENDER, NULL, 0, 0, \
@@ -155,9 +156,10 @@ enum {
       "options of the scene B that differ from those of A, in quotes, as in " \
       "--against=\"--device reference --depth 64\"; if its seed would equal A's, the next one " \
       "is used") \
-    X(flag, adaptive, "adaptive", 0, NULL, MCV_IN_RENDER, NULL, 0, 0, \
-      "give noisier pixels more samples, and the others fewer, if it pays; --spp then limits " \
-      "the mean; the part `samples` of the OpenEXR file has the number of each pixel") \
+    X(choice, adaptive, "adaptive", 0, "auto|on|off", MCV_IN_RENDER, "off", 0, 0, \
+      "give noisier pixels more samples, and the others fewer: on: if a pilot says that it " \
+      "takes fewer samples; auto: if it wins even where noisy pixels take longer; --spp then " \
+      "limits the mean; the part `samples` of the OpenEXR file has the number of each pixel") \
     X(choice, sampler, "sampler", 0, "sobol|random", MCV_IN_RENDERS | MCV_IN_COMPARE, "sobol", 0, \
       0, "Owen-scrambled Sobol' points, or independent random points") \
     X(choice, split, "split", 0, "on|off", MCV_IN_RENDERS | MCV_IN_COMPARE, "on", 0, 0, \

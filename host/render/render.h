@@ -29,6 +29,11 @@ typedef bool mcv_pass_told(void *user, double fraction, double seconds, double e
 
 typedef bool mcv_enough(void *user, const mcv_film *film);
 
+/* When noisier pixels get more samples: if that takes fewer of them by a tenth for an error; or
+ * only if it takes fewer by a quarter, and so less time even where those of noisy pixels take
+ * longer. */
+enum { MCV_ADAPTIVE_OFF, MCV_ADAPTIVE_ON, MCV_ADAPTIVE_AUTO };
+
 typedef struct mcv_render_options {
     uint32_t sampler;    /* MCV_SAMPLER_… */
     uint32_t replicates; /* 1 … 64, default 4 */
@@ -44,7 +49,7 @@ typedef struct mcv_render_options {
     bool no_light_paths;  /* no light tracing */
     bool light_pilot;     /* trace as many light paths as a pilot finds worth their time */
     bool no_split;        /* follow reflection or transmission at random, not both */
-    bool adaptive;        /* more samples for noisier pixels, if it pays */
+    uint32_t adaptive;    /* MCV_ADAPTIVE_…: more samples for noisier pixels, if it pays */
     uint32_t slice;       /* paths per slice of the tile schedule, a multiple of 64; 0: default */
     const char *device;   /* NULL: the first; see mcv_cl_open */
     mcv_pass_told *progress;

@@ -27,15 +27,19 @@ mcv_result mcv_render_options_read(const mcv_command *command, mcv_render_option
             error, MCV_USAGE,
             "--error needs at least two replicates to estimate the error: give --replicates 2 or "
             "more");
-    if (command->adaptive && command->samples[1])
+    /* The words of --adaptive. */
+    static const uint32_t adaptive[] = {MCV_ADAPTIVE_AUTO, MCV_ADAPTIVE_ON, MCV_ADAPTIVE_OFF};
+    options->adaptive =
+        command->verb == MCV_VERB_RENDER ? adaptive[command->adaptive] : MCV_ADAPTIVE_OFF;
+    if (options->adaptive == MCV_ADAPTIVE_ON && command->samples[1])
         return mcv_fail(
             error, MCV_USAGE,
             "--adaptive needs a whole render: leave out --samples, and limit them by --spp");
-    if (command->adaptive && mcv_wants_reference(command))
+    if (options->adaptive == MCV_ADAPTIVE_ON && mcv_wants_reference(command))
         return mcv_fail(error, MCV_USAGE,
                         "--adaptive: the reference renderer gives all pixels the same samples: "
                         "leave out one of the two");
-    options->adaptive = command->adaptive;
+    if (command->samples[1] || mcv_wants_reference(command)) options->adaptive = MCV_ADAPTIVE_OFF;
     options->no_light_paths = command->light_paths == 2;
     /* Sets of a sweep, and scenes that are compared, have as many of them each. */
     options->light_pilot =

@@ -46,6 +46,8 @@
       p->emitter_count * sizeof *p->emitters, p->emitters) \
     X(__global, uint, emitter_cdf, "the emitters' areas", \
       p->emitter_count > 0 ? 4 * p->cdf_count : 0, p->emitter_cdf) \
+    X(__global, mcv_light_node, light_tree, "the light tree", \
+      present(p->light_tree, p->light_node_count * sizeof *p->light_tree), p->light_tree) \
     X(__global, mcv_device_texture, textures, "the list of textures", \
       textures ? p->texture_count * sizeof *p->textures : 0, p->textures) \
     /* RGBA, 8 bits each, or three floats. */ \

@@ -41,6 +41,8 @@
     X(RECTANGLE, "rectangle", "a sampled emitter is a rectangle: it is sampled by solid angle") \
     X(REACH, "reach", \
       "there are few emitters: each surface chooses by what an emitter can contribute to it") \
+    X(LIGHT_TREE, "light-tree", \
+      "there are many emitters: each surface chooses by a tree of what they can contribute to it") \
     X(EARLY_ROULETTE, "early-roulette", \
       "next-event estimation samples all light: later vertices contribute little, so Russian " \
       "roulette ends paths earlier") \

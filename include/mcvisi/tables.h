@@ -69,7 +69,9 @@ typedef struct mcv_frame {
     mcv_ball balls[MCV_MAX_BALLS]; /* around all smooth surfaces */
     uint triangle_count;
     uint instance_count;
-    uint padding[10];
+    uint
+        light_tree_depth; /* steps from its root to an emitter at most; 0: there is no light tree */
+    uint padding[9];
 } mcv_frame;
 MCV_ASSERT_SIZE(mcv_frame, 512);
 
@@ -173,7 +175,7 @@ typedef struct mcv_device_emitter {
                         [m²] */
     float widening;
     float power; /* its share of the power of all emitters */
-    uint padding;
+    uint trail;  /* from the root of the light tree to it: bit i is the child at level i */
 #if !MCV_ON_DEVICE || MCV_WITH_PARALLEL
     mcv_parallel parallel;
 #else
@@ -217,6 +219,20 @@ typedef struct mcv_device_emitter {
 #endif
 } mcv_device_emitter;
 MCV_ASSERT_SIZE(mcv_device_emitter, 496);
+
+/* A node of the light tree: emitters that are chosen together (kernels/light/tree.h). */
+typedef struct mcv_light_node {
+    float centre[3], radius; /* sphere around them [m]; negative: they have no place */
+    float axis[3];           /* unit; of the cone that holds their normals … */
+    float cosine, sine;      /* … its half-angle's */
+    float widest;            /* cosine of the largest angle of light to a normal */
+    float power;             /* as of emitters */
+    float narrowest, widening;
+    uint child;   /* index of the first of two that lie side by side; 0: it is one emitter, … */
+    uint emitter; /* … this one, else MCV_NONE */
+    uint padding;
+} mcv_light_node;
+MCV_ASSERT_SIZE(mcv_light_node, 64);
 
 typedef struct mcv_device_texture {
     uint width, height;
@@ -281,9 +297,9 @@ typedef struct mcv_device_vertex {
 } mcv_device_vertex;
 MCV_ASSERT_SIZE(mcv_device_vertex, 112);
 
-/* Up to this many emitters, each surface weighs all of them. With more, they are chosen by power
- * alone. */
-#define MCV_MOST_REACHING 16
+/* Up to this many emitters, each surface weighs all of them. With more, it chooses by the light
+ * tree. */
+#define MCV_MOST_REACHING 32
 
 /* Samples that the device sums; the host continues the same binary tree. */
 #define MCV_BLOCK 64

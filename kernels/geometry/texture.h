@@ -33,6 +33,15 @@ MCV_LOOP_FUNCTION float mcv_texel_value(mcv_world world, __global const mcv_devi
     return linear ? as_float(word) : decoded;
 }
 
+/* A texel of an image, by its column and row. */
+MCV_FUNCTION mcv_color mcv_texel(mcv_world world, uint index, uint column, uint row) {
+    __global const mcv_device_texture *texture = world.textures + index;
+    mcv_color color;
+    MCV_EACH_CHANNEL(i)
+    color.c[i] = mcv_texel_value(world, texture, row * texture->width + column, (uint)i);
+    return color;
+}
+
 /* The texel at a place, or the upper left one of the four around it and how far it is from that
  * one. */
 typedef struct mcv_texture_place {

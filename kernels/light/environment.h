@@ -24,7 +24,7 @@ MCV_FUNCTION mcv_sky_pixel mcv_sky_pixel_at(__global const mcv_device_emitter *e
 MCV_FUNCTION mcv_color mcv_environment_radiance(mcv_world world,
                                                 __global const mcv_device_emitter *e,
                                                 mcv_sky_pixel pixel) {
-    return mcv_tint(mcv_texel(world, world.textures[e->texture], (int)pixel.column, (int)pixel.row),
+    return mcv_tint(mcv_texel(world, e->texture, pixel.column, pixel.row),
                     mcv_color_at(e->radiance));
 }
 

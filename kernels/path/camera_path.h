@@ -57,10 +57,10 @@
     X(value, MCV_TILE)        /* of the path in its slice */ \
     X(density, MCV_WITH_NEXT_EVENT) /* with which the last surface chose the direction [1/sr]; 0: \
                                        it is smooth */ \
-    X(selection, 2 * MCV_WITH_NEXT_EVENT * MCV_WITH_REACH) /* emitters' chances where light was \
-                                                 last scattered (kernels/light/selection.h) */ \
-    X(path_class, MCV_WITH_LIGHT_TRACING)                  /* MCV_PATH_CLASS_… */ \
-    X(footprint, MCV_WITH_LIGHT_TRACING) /* of the pixel at the first diffuse surface [m²] */
+    /* Of the last surface that scattered light: light/selection.h; light/tree.h: its normal. */ \
+    X(selection, (2 * MCV_WITH_REACH + 3 * MCV_WITH_LIGHT_TREE) * MCV_WITH_NEXT_EVENT) \
+    X(path_class, MCV_WITH_LIGHT_TRACING) /* MCV_PATH_CLASS_… */ \
+    X(footprint, MCV_WITH_LIGHT_TRACING)  /* of the pixel at the first diffuse surface [m²] */
 
 #define MCV_HIT_FIELDS(X) \
     X(hit, 4)                              /* t, u, v, triangle */ \
@@ -87,8 +87,8 @@
                                                          media, density, throughput */ \
     X(emitter, MCV_TILE *MCV_WITH_NEXT_EVENT) /* that the path samples, or MCV_NONE */ \
     X(place, 4 * MCV_TILE * MCV_WITH_NEXT_EVENT * MCV_WITH_TEXTURE) /* triangle, u, v, density */ \
-    X(selection_here, 2 * MCV_WITH_NEXT_EVENT * MCV_WITH_REACH)     /* at this surface */ \
-    X(shadow_origin, 3 * MCV_WITH_NEXT_EVENT)                       /* ray to the emitter */ \
+    X(selection_here, (2 * MCV_WITH_REACH + 4 * MCV_WITH_LIGHT_TREE) * MCV_WITH_NEXT_EVENT) \
+    X(shadow_origin, 3 * MCV_WITH_NEXT_EVENT) /* ray to the emitter */ \
     X(shadow_direction, 3 * MCV_WITH_NEXT_EVENT) \
     X(shadow_origin_surface, MCV_WITH_NEXT_EVENT *MCV_WITH_SURFACES) \
     X(shadow_density, MCV_TILE *MCV_WITH_NEXT_EVENT)   /* as in mcv_shadow */ \

@@ -20,6 +20,9 @@
  * worked out together. */
 #define MCV_MOST_SORTED (MCV_SLICE / 4u)
 
+/* Up to so many, a slice's paths are asked for each of them; more are sorted. */
+#define MCV_MOST_LISTED 16u
+
 /* One path. */
 MCV_BATCH void mcv_sample_emitter_alone(mcv_world world, mcv_slot slot) {
     const mcv_receiver at = mcv_receiver_of(mcv_make_interaction(world, slot));
@@ -198,7 +201,7 @@ MCV_BATCH void mcv_sample_emitter_rows(mcv_world world, mcv_slot slot, uint firs
             if (emitters[slot.index] != MCV_NONE) mcv_sample_emitter_alone(world, slot);
         return;
     }
-    const int few = count <= MCV_MOST_REACHING;
+    const int few = count <= MCV_MOST_LISTED;
     if (!few) mcv_sort_by_emitter(emitters, first, last, count, begins, sorted);
     for (uint k = 0; first < last && k < count; ++k) {
         const uint begin = few ? 0u : begins[k],
@@ -222,8 +225,7 @@ MCV_BATCH uint mcv_sample_emitters(mcv_world world, mcv_slot slot, const uint *c
     mcv_sample_emitter_rows(world, slot, smooth_end, known_end);
     shadow_count = mcv_list_plain_shadows(world, slot, class_end, gloss, shadows);
 #endif
-    for (slot.index = known_end; slot.index < alive; ++slot.index)
-        MCV_WORD(slot, emitter, 0) = mcv_choose_emitter(world, slot, depth);
+    mcv_select_any_emitters(world, slot, known_end, alive);
     mcv_sample_emitter_rows(world, slot, known_end, alive);
     for (slot.index = known_end; slot.index < alive; ++slot.index) {
         if (MCV_WORD(slot, emitter, 0) == MCV_NONE) continue;

@@ -11,7 +11,7 @@
 #include "stage/sample_emitters.h"
 
 #if MCV_WITH_NEXT_EVENT
-#if MCV_WITH_EMISSION || (MCV_WITH_PLAIN && !MCV_WITH_REACH)
+#if MCV_WITH_EMISSION || (MCV_WITH_PLAIN && !MCV_WITH_REACH && !MCV_WITH_LIGHT_TREE)
 /* mcv_search_cdf for the chosen paths, by the numbers drawn for a pair. */
 MCV_BATCH void mcv_search_cdf_rows(__global const uint *cdf, uint count, mcv_slot slot, uint pair,
                                    const uint *chosen, uint chosen_count, uint *found) {
@@ -27,55 +27,160 @@ MCV_BATCH void mcv_search_cdf_rows(__global const uint *cdf, uint count, mcv_slo
 }
 #endif
 
-#if MCV_WITH_PLAIN
 #if MCV_WITH_REACH
-/* mcv_select_emitter for the paths in the slots first … last - 1; both sides of the surfaces of
- * those from two_sided to two_sided_end scatter light. */
-MCV_BATCH void mcv_select_emitter_rows(mcv_world world, mcv_slot slot, uint first, uint last,
-                                       uint two_sided, uint two_sided_end) {
+/* Paths whose importances are kept at a time: they stay in the first cache. */
+#define MCV_SELECTION_BLOCK 256u
+
+/* mcv_select_rows for the paths of one block. */
+MCV_BATCH void mcv_select_block(mcv_world world, mcv_slot slot, uint first, uint last,
+                                const uint *sides) {
     const uint count = min(world.frame->emitter_count, (uint)MCV_MOST_REACHING);
-    float importances[MCV_MOST_REACHING][MCV_SLOTS], sums[MCV_SLOTS], numbers[MCV_SLOTS];
-    for (uint i = first; i < last; ++i) sums[i] = numbers[i] = 0.0f;
+    float importances[MCV_MOST_REACHING][MCV_SELECTION_BLOCK];
+    float sums[MCV_SELECTION_BLOCK], numbers[MCV_SELECTION_BLOCK];
+    for (uint i = 0; i < last - first; ++i) sums[i] = numbers[i] = 0.0f;
     for (uint k = 0; k < count; ++k) {
         __global const mcv_device_emitter *e = world.emitters + k;
         float *of_emitter = importances[k];
         MCV_VECTORIZE
         for (uint i = first; i < last; ++i) {
             slot.index = i;
-            mcv_reaching all = {sums[i], numbers[i]};
-            const int is_two_sided = (i >= two_sided) & (i < two_sided_end);
-            of_emitter[i] =
+            mcv_reaching all = {sums[i - first], numbers[i - first]};
+            of_emitter[i - first] =
                 mcv_add_reaching(e, MCV_LOAD_3(slot, point), MCV_LOAD_3(slot, face),
-                                 MCV_LOAD_3(slot, normal), is_two_sided ? 2u : 1u, &all);
-            sums[i] = all.sum;
-            numbers[i] = all.count;
+                                 MCV_LOAD_3(slot, normal), sides[i], &all);
+            sums[i - first] = all.sum;
+            numbers[i - first] = all.count;
         }
     }
     MCV_VECTORIZE
     for (uint i = first; i < last; ++i) {
         slot.index = i;
-        const mcv_reaching all = {sums[i], numbers[i]};
+        const mcv_reaching all = {sums[i - first], numbers[i - first]};
         mcv_put_selection(slot, mcv_make_light_selection(all));
         MCV_WORD(slot, emitter, 0) = MCV_NONE;
         MCV_STORE_COLOR(slot, shadow_light, mcv_grey(0.0f));
-        sums[i] = 0.0f; /* of the chances of those asked */
+        sums[i - first] = 0.0f; /* of the chances of those asked */
     }
     for (uint k = 0; k < count; ++k) {
         const float *of_emitter = importances[k];
         MCV_VECTORIZE
         for (uint i = first; i < last; ++i) {
             slot.index = i;
-            const mcv_emitter_choice so_far = {MCV_WORD(slot, emitter, 0), sums[i]};
+            const mcv_emitter_choice so_far = {MCV_WORD(slot, emitter, 0), sums[i - first]};
             const mcv_emitter_choice choice =
-                mcv_ask_emitter(so_far, k, of_emitter[i], mcv_selection_in(slot),
+                mcv_ask_emitter(so_far, k, of_emitter[i - first], mcv_selection_in(slot),
                                 MCV_LOAD(slot, drawn, 2 * MCV_PAIR_CHOICE));
             MCV_WORD(slot, emitter, 0) = choice.emitter;
-            sums[i] = choice.chances;
+            sums[i - first] = choice.chances;
         }
+    }
+}
+
+/* mcv_select_emitter for the paths in the slots first … last - 1, whose surfaces scatter light on
+ * so many sides. */
+MCV_BATCH void mcv_select_rows(mcv_world world, mcv_slot slot, uint first, uint last,
+                               const uint *sides) {
+    for (uint begin = first; begin < last; begin += MCV_SELECTION_BLOCK)
+        mcv_select_block(world, slot, begin, min(begin + MCV_SELECTION_BLOCK, last), sides);
+}
+#endif
+
+#if MCV_WITH_LIGHT_TREE
+/* The walks of a slice's paths. */
+typedef struct mcv_walk_rows {
+    uint nodes[MCV_ROW], trails[MCV_ROW], follows[MCV_ROW];
+    float numbers[MCV_ROW], chances[MCV_ROW];
+} mcv_walk_rows;
+
+MCV_LOOP_FUNCTION mcv_light_walk mcv_walk_in(const mcv_walk_rows *rows, uint i) {
+    mcv_light_walk walk;
+    walk.node = rows->nodes[i];
+    walk.trail = rows->trails[i];
+    walk.follows = (int)rows->follows[i];
+    walk.xi = rows->numbers[i];
+    walk.chance = rows->chances[i];
+    return walk;
+}
+
+MCV_LOOP_FUNCTION void mcv_keep_walk(mcv_walk_rows *rows, uint i, mcv_light_walk walk) {
+    rows->nodes[i] = walk.node;
+    rows->trails[i] = walk.trail;
+    rows->follows[i] = (uint)walk.follows;
+    rows->numbers[i] = walk.xi;
+    rows->chances[i] = walk.chance;
+}
+
+/* Begins the walks of the paths in the slots first … last - 1. */
+MCV_BATCH void mcv_begin_walks(mcv_world world, mcv_slot slot, uint first, uint last,
+                               mcv_walk_rows *walks) {
+    for (uint i = first; i < last; ++i) {
+        slot.index = i;
+        const mcv_pair choice = mcv_draw(slot, 0, MCV_PAIR_CHOICE);
+        mcv_keep_walk(walks, i, mcv_begin_walk(world, choice.x, choice.y));
+    }
+}
+
+/* mcv_select_by_tree for the paths in the slots first … last - 1, step by step; sides as in the
+ * other mcv_select_rows. */
+MCV_BATCH void mcv_select_rows(mcv_world world, mcv_slot slot, uint first, uint last,
+                               const uint *sides) {
+    mcv_walk_rows walks;
+    mcv_begin_walks(world, slot, first, last, &walks);
+    MCV_VECTORIZE
+    for (uint i = first; i < last; ++i) {
+        slot.index = i;
+        mcv_put_walk(slot, mcv_walking_normal(MCV_LOAD_3(slot, normal), sides[i]), 0.0f);
+        MCV_STORE_COLOR(slot, shadow_light, mcv_grey(0.0f));
+    }
+    for (uint level = 0; level < world.frame->light_tree_depth; ++level) {
+        MCV_VECTORIZE_MASKED
+        for (uint i = first; i < last; ++i) {
+            slot.index = i;
+            mcv_keep_walk(&walks, i,
+                          mcv_walk_on(world, mcv_walk_in(&walks, i), MCV_LOAD_3(slot, point),
+                                      MCV_LOAD_3(slot, selection_here)));
+        }
+    }
+    MCV_VECTORIZE
+    for (uint i = first; i < last; ++i) {
+        slot.index = i;
+        const mcv_light_walk walk = mcv_walk_in(&walks, i);
+        const uint emitter = mcv_emitter_of(world, walk);
+        MCV_WORD(slot, emitter, 0) = emitter;
+        MCV_STORE(slot, selection_here, 3,
+                  mcv_walk_ratio(world, emitter == MCV_NONE ? 0u : emitter, walk));
     }
 }
 #endif
 
+#if MCV_WITH_REACH || MCV_WITH_LIGHT_TREE
+/* mcv_choose_emitter for the paths in the slots first … last - 1 on surfaces of any kind. */
+MCV_BATCH void mcv_select_any_emitters(mcv_world world, mcv_slot slot, uint first, uint last) {
+    uint materials[MCV_ROW], sides[MCV_ROW];
+    for (uint i = first; i < last; ++i) {
+        slot.index = i;
+        const int met = MCV_WORD(slot, hit, 3) != MCV_NONE;
+        materials[i] = met ? world.instances[mcv_hit_instance(world, slot)].material : 0u;
+        sides[i] = met ? world.materials[materials[i]].scattering_sides : 0u;
+    }
+    if (first < last) mcv_select_rows(world, slot, first, last, sides);
+    for (uint i = first; i < last; ++i) {
+        slot.index = i;
+        const uint emitter = MCV_WORD(slot, emitter, 0);
+        const int near_specular = (int)world.materials[materials[i]].near_specular;
+        const int leaves =
+            emitter == MCV_NONE || mcv_leaves_to_light_paths(world, slot, emitter, near_specular);
+        MCV_WORD(slot, emitter, 0) = sides[i] == 0u || leaves ? MCV_NONE : emitter;
+    }
+}
+#else
+MCV_BATCH void mcv_select_any_emitters(mcv_world world, mcv_slot slot, uint first, uint last) {
+    for (slot.index = first; slot.index < last; ++slot.index)
+        MCV_WORD(slot, emitter, 0) = mcv_choose_emitter(world, slot, 0);
+}
+#endif
+
+#if MCV_WITH_PLAIN
 /* mcv_pick_emitter for the paths on plain surfaces. What these leave to light paths is left out
  * where they make shadow rays (mcv_respond_as). */
 MCV_BATCH void mcv_select_plain_emitters(mcv_world world, mcv_slot slot, const uint *class_end,
@@ -87,11 +192,13 @@ MCV_BATCH void mcv_select_plain_emitters(mcv_world world, mcv_slot slot, const u
         for (uint i = first; i < last; ++i) emitters[i] = 0u;
         return;
     }
-#if MCV_WITH_REACH
-    const int two_sided = gloss != MCV_NONE && world.materials[gloss].scattering_sides == 2u;
-    mcv_select_emitter_rows(world, slot, first, last, class_end[MCV_LAST_DIFFUSE_EXACT],
-                            two_sided ? class_end[MCV_LAST_GLOSS]
-                                      : class_end[MCV_LAST_DIFFUSE_EXACT]);
+#if MCV_WITH_REACH || MCV_WITH_LIGHT_TREE
+    uint sides[MCV_ROW];
+    const uint of_gloss = gloss != MCV_NONE ? world.materials[gloss].scattering_sides : 1u;
+    for (uint i = first; i < last; ++i)
+        sides[i] =
+            i >= class_end[MCV_LAST_DIFFUSE_EXACT] && i < class_end[MCV_LAST_GLOSS] ? of_gloss : 1u;
+    mcv_select_rows(world, slot, first, last, sides);
 #else
     uint chosen[MCV_SLOTS];
     for (uint i = first; i < last; ++i) chosen[i] = i;

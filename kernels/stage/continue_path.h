@@ -65,9 +65,10 @@ MCV_LOOP_FUNCTION void mcv_continue_path(mcv_world world, mcv_slot slot,
 /* After what this surface emits, which the chances of the surface before are for, and before a
  * branch takes them over. */
 MCV_LOOP_FUNCTION void mcv_keep_selection(mcv_slot slot) {
-    if (!(MCV_WITH_NEXT_EVENT && MCV_WITH_REACH)) return;
+    if (!(MCV_WITH_NEXT_EVENT & (MCV_WITH_REACH | MCV_WITH_LIGHT_TREE))) return;
     MCV_WORD(slot, selection, 0) = MCV_WORD(slot, selection_here, 0);
     MCV_WORD(slot, selection, 1) = MCV_WORD(slot, selection_here, 1);
+    if (MCV_WITH_LIGHT_TREE) MCV_WORD(slot, selection, 2) = MCV_WORD(slot, selection_here, 2);
 }
 
 #endif

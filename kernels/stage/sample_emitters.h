@@ -21,6 +21,7 @@
 #include "light/emission.h"
 #include "light/emitter_point.h"
 #include "light/selection.h"
+#include "light/tree.h"
 #include "path/identity.h"
 
 #if MCV_WITH_NEXT_EVENT
@@ -68,6 +69,19 @@ MCV_LOOP_FUNCTION mcv_light_selection mcv_selection_in(mcv_slot slot) {
     return selection;
 }
 
+#if MCV_WITH_LIGHT_TREE
+/* The normal by which a walk through the light tree weighs emitters. */
+MCV_LOOP_FUNCTION mcv_vec3 mcv_walking_normal(mcv_vec3 normal, uint sides) {
+    return mcv_choose(sides == 2u, mcv_vec(0.0f, 0.0f, 0.0f), normal);
+}
+
+/* The same as mcv_put_selection, of a choice by the light tree. */
+MCV_LOOP_FUNCTION void mcv_put_walk(mcv_slot slot, mcv_vec3 normal, float ratio) {
+    MCV_STORE_3(slot, selection_here, normal);
+    MCV_STORE(slot, selection_here, 3, ratio);
+}
+#endif
+
 /* One of the emitters, or MCV_NONE. */
 MCV_FUNCTION uint mcv_pick_emitter(mcv_world world, mcv_slot slot, uint depth) {
     if (MCV_WORD(slot, hit, 3) == MCV_NONE) return MCV_NONE;
@@ -75,9 +89,10 @@ MCV_FUNCTION uint mcv_pick_emitter(mcv_world world, mcv_slot slot, uint depth) {
     if (!world.materials[material].scattering_sides) return MCV_NONE;
     if (world.frame->emitter_count == 1u) return 0u; /* whose number may not have been drawn */
     const mcv_pair choice = mcv_draw(slot, depth, MCV_PAIR_CHOICE);
-    if (!MCV_WITH_REACH)
+    if (!(MCV_WITH_REACH | MCV_WITH_LIGHT_TREE))
         return mcv_search_cdf(world.emitter_cdf, world.frame->emitter_count,
                               mcv_cdf_bits(choice.x, choice.y));
+    const uint sides = world.materials[material].scattering_sides;
 #if MCV_TILE
     const mcv_vec3 point = MCV_LOAD_3(slot, point), face = MCV_LOAD_3(slot, face),
                    normal = MCV_LOAD_3(slot, normal);
@@ -86,11 +101,18 @@ MCV_FUNCTION uint mcv_pick_emitter(mcv_world world, mcv_slot slot, uint depth) {
     const mcv_vec3 point = interaction.surface.point, face = interaction.face,
                    normal = interaction.normal;
 #endif
+#if MCV_WITH_LIGHT_TREE
+    float ratio;
+    const mcv_vec3 side = mcv_walking_normal(normal, sides);
+    const uint emitter = mcv_select_by_tree(world, point, side, choice.x, choice.y, &ratio);
+    mcv_put_walk(slot, side, ratio);
+    (void)face;
+#else
     mcv_light_selection selection;
     const uint emitter =
-        mcv_select_emitter(world, point, face, normal, world.materials[material].scattering_sides,
-                           choice.x, &selection);
+        mcv_select_emitter(world, point, face, normal, sides, choice.x, &selection);
     mcv_put_selection(slot, selection);
+#endif
     return emitter;
 }
 
@@ -120,9 +142,11 @@ MCV_FUNCTION uint mcv_choose_emitter(mcv_world world, mcv_slot slot, uint depth)
  * reaches the path's surface. */
 MCV_LOOP_FUNCTION mcv_shadow mcv_apply_selection(mcv_world world, mcv_slot slot, mcv_vec3 point,
                                                  uint emitter, mcv_shadow shadow) {
-    if (!MCV_WITH_REACH) return shadow;
+    if (!(MCV_WITH_REACH | MCV_WITH_LIGHT_TREE)) return shadow;
     const float preference =
-        mcv_selection_ratio(world.emitters + emitter, point, mcv_selection_in(slot));
+        MCV_WITH_LIGHT_TREE
+            ? MCV_LOAD(slot, selection_here, 3)
+            : mcv_selection_ratio(world.emitters + emitter, point, mcv_selection_in(slot));
     shadow.density *= preference;
     shadow.light = mcv_dim(shadow.light, 1.0f / preference);
     return shadow;

@@ -8,6 +8,7 @@
 #include "light/emission.h"
 #include "light/environment.h"
 #include "light/selection.h"
+#include "light/tree.h"
 #include "stage/path_class.h"
 
 /*
@@ -16,11 +17,17 @@
  */
 MCV_LOOP_FUNCTION float mcv_density_against(mcv_world world, mcv_slot slot, uint emitter,
                                             float density) {
+#if MCV_WITH_NEXT_EVENT && MCV_WITH_LIGHT_TREE
+    if (!(density > 0.0f)) return density;
+    const float against = density / mcv_tree_ratio(world, emitter, MCV_LOAD_3(slot, origin),
+                                                   MCV_LOAD_3(slot, selection));
+#else
     if (!(MCV_WITH_NEXT_EVENT && MCV_WITH_REACH)) return density;
     const mcv_light_selection selection = {MCV_LOAD(slot, selection, 0),
                                            MCV_LOAD(slot, selection, 1)};
     const float against = density / mcv_selection_ratio(world.emitters + emitter,
                                                         MCV_LOAD_3(slot, origin), selection);
+#endif
     return density > 0.0f ? against : density;
 }
 

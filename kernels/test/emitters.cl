@@ -74,3 +74,23 @@ __kernel void meet_emitter(MCV_WORLD_PARAMETERS uint emitter, __global const flo
     mcv_shade_emitter_hit(world, mcv_vec(in[0], in[1], in[2]), mcv_vec(in[3], in[4], in[5]),
                           emitter, results + 8 * i + 5);
 }
+
+#if MCV_WITH_LIGHT_TREE
+/* cases: receiver, its normal or 0, ξ, η; results: the emitter that these choose, -1 if none, its
+ * chance, the chance with which mcv_tree_ratio says that it is chosen; the same for `emitter`. */
+__kernel void choose_emitter(MCV_WORLD_PARAMETERS uint emitter, __global const float *cases,
+                             __global float *results) {
+    MCV_MAKE_WORLD(world)
+    const uint i = get_global_id(0);
+    __global const float *in = cases + 8 * i;
+    __global float *out = results + 8 * i;
+    const mcv_vec3 receiver = mcv_vec(in[0], in[1], in[2]), normal = mcv_vec(in[3], in[4], in[5]);
+    float ratio;
+    const uint chosen = mcv_select_by_tree(world, receiver, normal, in[6], in[7], &ratio);
+    const uint some = chosen == MCV_NONE ? 0u : chosen;
+    out[0] = chosen == MCV_NONE ? -1.0f : (float)chosen;
+    out[1] = ratio * world.emitters[some].probability;
+    out[2] = mcv_tree_ratio(world, some, receiver, normal) * world.emitters[some].probability;
+    out[3] = mcv_tree_ratio(world, emitter, receiver, normal) * world.emitters[emitter].probability;
+}
+#endif

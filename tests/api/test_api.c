@@ -41,7 +41,7 @@ static void test_values_of_options(void **state) {
                  {"{\"resolution\": [16]}", "--resolution 16: must be WxH"},
                  {"{\"resolution\": [16, \"x\"]}", "must be a list of numbers"},
                  {"{\"resolution\": []}", "must be a list of numbers"},
-                 {"{\"adaptive\": \"yes\"}", "--adaptive takes no value"},
+                 {"{\"adaptive\": \"yes\"}", "--adaptive yes: must be one of auto|on|off"},
                  {"{\"output\": \"x.exr\"}", "--output is no option of this call"},
                  {"{\"bits\": 8}", "--bits is no option of this call"},
                  {"{\"region\": \"a\"}", "--region is an option of measure"},

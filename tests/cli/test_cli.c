@@ -206,6 +206,8 @@ static void test_wrong_usage(void **state) {
     EXPECT_FAILURE("render s.gltf --sampler sobo", 2, "--sampler sobo", "sobol|random");
     EXPECT_FAILURE("render s.gltf --replicates 1 --error 0.1", 2, "--error", "--replicates");
     EXPECT_FAILURE("render s.gltf --adaptive --samples 0:4", 2, "--adaptive", "--samples", "--spp");
+    EXPECT_FAILURE("render s.gltf --adaptive=maybe", 2, "--adaptive maybe", "auto|on|off");
+    EXPECT_FAILURE("render s.gltf --adaptive on --samples 0:4", 2, "--adaptive", "--samples");
     EXPECT_FAILURE("render s.gltf --adaptive --device reference", 2, "--adaptive", "reference");
     EXPECT_FAILURE("render s.gltf --adaptive --precision double", 2, "--adaptive", "reference");
     EXPECT_FAILURE("render s.gltf --sensor left", 2, "s.gltf", "left", "cam");
@@ -408,6 +410,21 @@ static void test_render_adaptive(void **state) {
     }
     if (!(sum <= 256 * 94 * 62 && least < 256 && most > 256))
         fail_msg("%g to %g samples, mean %g", least, most, sum / (94 * 62));
+    mcv_exr_free(&exr);
+    /* Alone it may stand before the scene; with `auto` and `off` nothing is wrong with a part of
+     * the samples. */
+    static const char *const uniform[] = {"render s.gltf --spp 256 --adaptive off",
+                                          "render --adaptive auto s.gltf --samples 0:4"};
+    for (int i = 0; i < 2; ++i) {
+        run_well(uniform[i]);
+        exr = read_exr("s.exr");
+        assert_string_equal(attribute(&exr, "mcvisi:sampling")->text, "uniform");
+        assert_int_equal(exr.part_count, 2);
+        mcv_exr_free(&exr);
+    }
+    run_well("render --adaptive s.gltf --spp 256 --resolution 94x62 --sampler random");
+    exr = read_exr("s.exr");
+    assert_string_equal(attribute(&exr, "mcvisi:sampling")->text, "adaptive");
     mcv_exr_free(&exr);
 }
 

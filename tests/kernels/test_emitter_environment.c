@@ -161,6 +161,45 @@ static void test_sky_with_sun(void **state) {
     }
 }
 
+/*
+ * A sun that brings as much as the sky around it: with random numbers a choice between both by
+ * their power has a variance of 1/4 of the squared mean. Next-event estimation leaves the sky to
+ * the floor's own choice of directions, which finds it without noise; 1/64 of the sky's light, the
+ * share s of the choices is 0.03 then, leaves s/4, and the power heuristic at most as much again.
+ */
+static void test_sun_is_not_weighed_against_the_sky(void **state) {
+    (void)state;
+    enum { WIDE = 64, HIGH = 32, COLUMN = 40, ROW = 9, SAMPLES = 256, SIDE = 4 };
+    const ref_vec up = {0, 1, 0};
+    const double seen = projected(WIDE, HIGH, COLUMN, ROW, up), s = sqrt(0.5);
+    write_sky(WIDE, HIGH, 1, COLUMN, ROW, (float)(1 + M_PI / seen));
+    char *text = rig_text(rigs[0], NAMED "\"image\":{\"uri\":\"sky.exr\"},\"radiance\":1", CAMERA,
+                          0.1, "environment.png");
+    mcv_scene *scene;
+    BUILD(load_text("environment.gltf", text, NULL, &scene, &builder_error));
+    add_rectangle(
+        scene, 4, 4, add_diffuse(scene, 0.5),
+        looking((const double[]){0, 0, 0}, (const double[]){0, 1, 0}, (const double[]){1, 0, 0}));
+    add_pinhole(scene, SIDE, 0.1,
+                looking((const double[]){s, s, 0}, (const double[]){-s, -s, 0},
+                        (const double[]){-s, s, 0}));
+    mcv_render_options options = mcv_render_defaults();
+    mcv_render_stats stats;
+    mcv_film film;
+    options.replicates = REPLICATES;
+    options.last = SAMPLES;
+    options.sampler = MCV_SAMPLER_RANDOM;
+    BUILD(mcv_render(scene, 1, &options, &film, &stats, &builder_error));
+    const double share = 2.0 / 64 / (1 + 2.0 / 64),
+                 error = sqrt(share / 2 / (SAMPLES * REPLICATES * SIDE * SIDE));
+    /* The error is estimated from the spread of the replicates: twice it is out of reach. */
+    expect_estimate("sun and sky of the same power", image_estimate(&film), 0.5 * 2, 2 * error,
+                    2e-5);
+    mcv_film_free(&film);
+    mcv_scene_free(scene);
+    free(text);
+}
+
 /* A box before a colourful sky looks the same to the reference, which does not look for the sky. */
 static void test_reference_agrees(void **state) {
     (void)state;
@@ -212,6 +251,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_each_pixel_is_where_it_belongs),
         cmocka_unit_test(test_sky_with_sun),
+        cmocka_unit_test(test_sun_is_not_weighed_against_the_sky),
         cmocka_unit_test(test_reference_agrees),
         cmocka_unit_test(test_constant_costs_nothing),
         cmocka_unit_test(test_bad_input),

@@ -42,7 +42,7 @@ static mcv_render_options options_of(uint32_t seed, uint32_t replicates) {
     options.replicates = replicates;
     options.last = SAMPLES / replicates;
     options.seed = seed;
-    options.adaptive = true;
+    options.adaptive = MCV_ADAPTIVE_ON;
     return options;
 }
 
@@ -224,7 +224,7 @@ static mcv_film render_plain(const mcv_scene *scene, uint32_t replicates) {
     mcv_renderer *renderer = mcv_renderer_new();
     mcv_render_options options = options_of(SEEDS, replicates);
     mcv_render_stats stats;
-    options.adaptive = false;
+    options.adaptive = MCV_ADAPTIVE_OFF;
     options.replicates = SEEDS;
     mcv_film film = render(renderer, scene, options, &stats);
     mcv_renderer_free(renderer);
@@ -294,7 +294,7 @@ static void test_to_an_error(void **state) {
         options.last = 0;
         options.error = easy ? 0.5 : SLOW ? 0.002 : 0.004;
         mcv_film film = render(renderer, scene, options, &stats);
-        options.adaptive = false;
+        options.adaptive = MCV_ADAPTIVE_OFF;
         mcv_film plain = render(renderer, scene, options, &plain_stats);
         assert_true(mcv_film_relative_error(&film) <= options.error);
         if (easy &&
@@ -309,6 +309,40 @@ static void test_to_an_error(void **state) {
     }
     mcv_renderer_free(renderer);
     mcv_scene_free(scene);
+}
+
+/*
+ * A ball in a ninth of a black picture takes so few samples that `auto` decides as `on` does. A
+ * floor in three quarters of one takes some three quarters of the samples and more: enough for
+ * `on`, which does not ask how long they take, and not for `auto`, whose bits are those without.
+ */
+static void test_auto(void **state) {
+    mcv_renderer *renderer = mcv_renderer_new();
+    (void)state;
+    for (int wide = 0; wide < 2; ++wide) {
+        mcv_scene *scene = make_scene(false);
+        if (wide) add_rectangle(scene, 4, 8, add_diffuse(scene, 0.5), looking_up_z(-1.3, 0, 0.6));
+        mcv_film films[3];
+        for (uint32_t mode = MCV_ADAPTIVE_OFF; mode <= MCV_ADAPTIVE_AUTO; ++mode) {
+            mcv_render_options options = options_of(3, REPLICATES);
+            mcv_render_stats stats;
+            options.adaptive = mode;
+            films[mode] = render(renderer, scene, options, &stats);
+        }
+        const mcv_film *automatic = &films[MCV_ADAPTIVE_AUTO],
+                       *same = &films[wide ? MCV_ADAPTIVE_OFF : MCV_ADAPTIVE_ON];
+        if (films[MCV_ADAPTIVE_OFF].levels || !films[MCV_ADAPTIVE_ON].levels ||
+            (automatic->levels == NULL) != wide)
+            fail_msg("wide %d: off, on, auto are %s, %s, %s", wide,
+                     films[MCV_ADAPTIVE_OFF].levels ? "adaptive" : "plain",
+                     films[MCV_ADAPTIVE_ON].levels ? "adaptive" : "plain",
+                     automatic->levels ? "adaptive" : "plain");
+        assert_memory_equal(automatic->sums, same->sums,
+                            film_values(same) * REPLICATES * sizeof *same->sums);
+        for (int mode = 0; mode < 3; ++mode) mcv_film_free(&films[mode]);
+        mcv_scene_free(scene);
+    }
+    mcv_renderer_free(renderer);
 }
 
 static bool stop_at_once(void *user, double fraction, double seconds, double error) {
@@ -356,6 +390,7 @@ int main(void) {
                                        cmocka_unit_test(test_same_bits),
                                        cmocka_unit_test(test_unbiased),
                                        cmocka_unit_test(test_to_an_error),
+                                       cmocka_unit_test(test_auto),
                                        cmocka_unit_test(test_stopped_look),
                                        cmocka_unit_test(test_refused)};
     return cmocka_run_group_tests(tests, NULL, NULL);
