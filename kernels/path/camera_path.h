@@ -2,12 +2,11 @@
 /*
  * The state of a path between stages, a structure of arrays: word f of the path in slot i of a
  * slice lies at base[f capacity + i]. One list gives the layout on the device and, through
- * mcv_path_words, the allocation on the host. What a path needs where it ends lies side by side
+ * mcv_path_words, the allocation on the host. The fields of a path's end lie side by side
  * (kernels/schedule/terminate_paths.h).
  *
- * The tile schedule (MCV_TILE) keeps a slice in the work-item's private memory and moves the paths
- * that go on together, so that all its loops run over neighbouring slots. What it works out for a
- * whole slice at once has fields of its own.
+ * The tile schedule (MCV_TILE) keeps a slice in private memory and moves living paths together.
+ * What it computes for a whole slice at once has fields of its own.
  */
 #ifndef MCVISI_KERNELS_CAMERA_PATH_H
 #define MCVISI_KERNELS_CAMERA_PATH_H
@@ -18,8 +17,7 @@
 #define MCV_TILE 0
 #endif
 
-/* Whether the origins of the rays that go on are worked out for many paths at once, after all else.
- */
+/* Whether the origins of new rays are computed for many paths at once, after all else. */
 #define MCV_OFFSETS_TOGETHER (MCV_TILE && !MCV_WITH_MIXED)
 
 /* A sample's path splits at the first surfaces of glass, sheets and beam splitters that it meets,
@@ -31,11 +29,10 @@
 #define MCV_CROSSES (MCV_WITH_DIELECTRIC && (MCV_WITH_GLOSS || MCV_WITH_REFLECTOR))
 
 /*
- * X(field, words): what a scene does not need has no words. It has a place all the same: what reads
- * or writes it stands behind `if (MCV_WITH_…)`, which is known to the compiler. Paths of either
- * kind have a ray, and the surface that it has met. In between lie words of their own, which camera
- * paths and light paths use as they need: a slice holds paths of one kind. What lies before the hit
- * goes on with the path to its next surface.
+ * X(field, words): a field that a scene does not need has no words. Code that uses it stands behind
+ * `if (MCV_WITH_…)`. Paths of either kind have a ray and a hit. Between these lie words that camera
+ * paths and light paths use as they need: a slice holds paths of one kind. Fields before the hit
+ * live on to the next surface.
  */
 #define MCV_RAY_FIELDS(X) \
     X(origin_surface, MCV_WITH_SURFACES) /* the exact surface that the ray starts on \
@@ -100,8 +97,7 @@
 #define MCV_PATH_FIELDS(X) \
     MCV_RAY_FIELDS(X) MCV_CAMERA_FIELDS(X) MCV_HIT_FIELDS(X) MCV_CAMERA_HIT_FIELDS(X)
 
-/* Of a light path, whose fields have names that begin with light_. The stream schedule keeps these
- * paths in registers. */
+/* Of a light path: light_…. The stream schedule keeps these paths in registers. */
 #define MCV_LIGHT_FIELDS(X) \
     X(light_flux, MCV_CHANNELS *MCV_LIGHT_ROWS) /* that has started [W] */ \
     X(light_etendue, MCV_LIGHT_ROWS)            /* one over the density of its start [m² sr] */ \
@@ -117,12 +113,11 @@
      !MCV_WITH_DISPERSION)
 
 /*
- * The surfaces that a camera path has hit so far; "diffuse" is what is `connectable`. Where the
- * sensor sees a diffuse surface first, directly or through a sheet or beam splitter, light paths
- * bring what smooth and `near_specular` surfaces send to a diffuse one. A camera path that began so
- * shares that light with them (mcv_light_share) and finds it by chance only. Where the sensor sees
- * a glossy surface first, camera paths find that light: a point on the lens would seldom lie in the
- * surface's highlights.
+ * The surfaces that a camera path has hit so far; "diffuse" is what is `connectable`. If the sensor
+ * sees a diffuse surface first, directly or through a plate, light paths carry light by smooth and
+ * `near_specular` surfaces to a diffuse one. A camera path that began so shares that light with
+ * them (mcv_light_share) and finds it by chance only. If the sensor sees a glossy surface first,
+ * camera paths find that light: the lens would seldom lie in the surface's highlights.
  */
 enum {
     MCV_PATH_CLASS_STRAIGHT, /* nothing but what passes light straight on */
@@ -217,7 +212,6 @@ MCV_LOOP_FUNCTION mcv_slot mcv_slot_at(uint *paths, uint index) {
 #define MCV_STORE_COLOR(slot, field, color) \
     MCV_EACH_CHANNEL(channel) MCV_STORE(slot, field, channel, (color).c[channel])
 
-/* What it carries. */
 MCV_LOOP_FUNCTION mcv_color mcv_path_throughput(mcv_slot slot) {
     mcv_color throughput;
     MCV_LOAD_COLOR(slot, throughput, throughput);
