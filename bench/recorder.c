@@ -50,9 +50,9 @@ static mcv_result list_reserve(ray_list *list, size_t more, mcv_error *error) {
     if (hits) list->hits = hits;
     uint32_t *paths = realloc(list->paths, list->capacity * sizeof *paths);
     if (paths) list->paths = paths;
-    return rays && hits && paths
-               ? MCV_OK
-               : mcv_fail(error, MCV_FAILED, "no memory for the rays of a launch");
+    if (rays && hits && paths) return MCV_OK;
+    (void)mcv_fail(error, MCV_FAILED, "no memory for the rays of a launch");
+    return MCV_FAILED;
 }
 
 void ray_list_free(ray_list *list) {
