@@ -21,7 +21,8 @@ SCENES = mitsuba_peer.cases(coloured=True, mesh=sys.argv[2] if len(sys.argv) > 2
 
 @functools.cache
 def load(name, pixels, integrator, sampler):
-    # As many surfaces as bench_render allows, and Russian roulette as Mitsuba does it unless told otherwise.
+    # As many surfaces as bench_render allows, and Russian roulette as Mitsuba does it unless told
+    # otherwise.
     if name in mesh_scenes.SCENES:
         scene, sensor, depth = mesh_scenes.case(sys.argv[3], name, int(sys.argv[4]))
         sensor |= mitsuba_peer.sensor_base(pixels, 16, sampler, FORMAT)
@@ -36,8 +37,14 @@ def main():
     mi.set_log_level(mi.LogLevel.Error)
     for line in sys.stdin:
         pixels, integrator, sampler, samples, seed, name = line.strip().split(" ", 5)
-        image = mi.render(load(name, int(pixels), integrator, sampler), seed=int(seed), spp=int(samples))
-        out.write(numpy.ascontiguousarray(numpy.array(image, dtype=numpy.float64).transpose(2, 0, 1)).tobytes())
+        image = mi.render(
+            load(name, int(pixels), integrator, sampler), seed=int(seed), spp=int(samples)
+        )
+        out.write(
+            numpy.ascontiguousarray(
+                numpy.array(image, dtype=numpy.float64).transpose(2, 0, 1)
+            ).tobytes()
+        )
         out.flush()
 
 
