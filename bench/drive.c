@@ -213,39 +213,37 @@ static size_t tick_count(const drive *d) {
     return (d->frame.path_count + d->schedule.slice - 1) / d->schedule.slice * STAGE_COUNT;
 }
 
-mcv_result drive_least_ticks(drive *d, cl_uint **least, mcv_error *error) {
+mcv_result drive_add_ticks(drive *d, drive_ticks *all, mcv_error *error) {
     const size_t count = tick_count(d), before = count / STAGE_COUNT * MCV_COUNTER_COUNT;
     cl_uint *ticks = malloc(count * sizeof *ticks);
+    double total = 0;
     if (!ticks) return mcv_fail(error, MCV_FAILED, "no memory for the ticks");
     const mcv_result result = mcv_cl_read(d->cl, d->schedule.counters, sizeof *ticks * before,
                                           count * sizeof *ticks, ticks, error);
-    for (size_t i = 0; *least && i < count; ++i)
-        if (ticks[i] < (*least)[i]) (*least)[i] = ticks[i];
-    if (*least)
+    for (size_t i = 0; i < count; ++i) {
+        total += ticks[i];
+        if (all->least && ticks[i] < all->least[i]) all->least[i] = ticks[i];
+    }
+    all->per_second = fmax(all->per_second, total / d->stats.stages[0].seconds);
+    if (all->least)
         free(ticks);
     else
-        *least = ticks;
+        all->least = ticks;
     return result;
 }
 
-void drive_shares_of_ticks(const drive *d, const cl_uint *ticks, double shares[STAGE_COUNT]) {
-    double total = 0;
-    for (int k = 0; k < STAGE_COUNT; ++k) shares[k] = 0;
-    for (size_t i = 0; i < tick_count(d); ++i) {
-        shares[i % STAGE_COUNT] += ticks[i];
-        total += ticks[i];
-    }
-    for (int k = 0; k < STAGE_COUNT && total > 0; ++k) shares[k] /= total;
+void drive_least_seconds(const drive *d, const drive_ticks *ticks, double seconds[STAGE_COUNT]) {
+    for (int k = 0; k < STAGE_COUNT; ++k) seconds[k] = 0;
+    for (size_t i = 0; i < tick_count(d); ++i)
+        seconds[i % STAGE_COUNT] += ticks->least[i] / ticks->per_second;
 }
 
 /* Each stage's share of the ticks of the last run, of the seconds that the launch took. */
 static mcv_result clock_seconds(drive *d, double seconds[STAGE_COUNT], mcv_error *error) {
-    cl_uint *ticks = NULL;
-    const mcv_result result = drive_least_ticks(d, &ticks, error);
-    if (result == MCV_OK) drive_shares_of_ticks(d, ticks, seconds);
-    for (int i = 0; i < STAGE_COUNT && result == MCV_OK; ++i)
-        seconds[i] *= d->stats.stages[0].seconds;
-    free(ticks);
+    drive_ticks ticks = {NULL, 0};
+    const mcv_result result = drive_add_ticks(d, &ticks, error);
+    if (result == MCV_OK) drive_least_seconds(d, &ticks, seconds);
+    free(ticks.least);
     return result;
 }
 

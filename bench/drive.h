@@ -60,12 +60,18 @@ enum {
 };
 extern const char *const stage_names[STAGE_COUNT];
 
-/* The least ticks of each slice and stage of all calls, one after each run of a tile schedule with
- * its clock: what other programs took is not in them. Free *least; NULL: the first call. */
-mcv_result drive_least_ticks(drive *d, cl_uint **least, mcv_error *error);
+/*
+ * The least ticks of each slice and stage over the runs of a tile schedule with its clock, on one
+ * core: what other programs took is not in them. Zero it first, and free `least`.
+ */
+typedef struct drive_ticks {
+    cl_uint *least;
+    double per_second; /* a launch has about as many as its slices count together */
+} drive_ticks;
+mcv_result drive_add_ticks(drive *d, drive_ticks *all, mcv_error *error);
 
-/* Each stage's share of them. */
-void drive_shares_of_ticks(const drive *d, const cl_uint *ticks, double shares[STAGE_COUNT]);
+/* Of all slices together. */
+void drive_least_seconds(const drive *d, const drive_ticks *ticks, double seconds[STAGE_COUNT]);
 
 /* Seconds of each stage in the last run; of a tile schedule only with its clock. */
 mcv_result drive_stage_seconds(drive *d, double seconds[STAGE_COUNT], mcv_error *error);

@@ -4,7 +4,7 @@
  * bench_recorded [--quick] [--only TEXT] [--seed N] [OUTPUT.json]. Needs `./run deps peers`, whose
  * NumPy generates the scenes (bench/mesh_scenes.py).
  *
- * Launches of each scene on one core tell the stages' shares, by the least ticks of each slice. The
+ * Launches of each scene on one core tell the stages' times, by the least ticks of each slice. The
  * rays, taken from the stream schedule in the order of the tile schedule, then go through
  * kernels/test/intersect.cl together, as in the render, and each alone, and through robust Embree,
  * high quality, one by one and in packets of 8 and 16. All times are the processor's.
@@ -45,16 +45,16 @@ typedef struct recorded {
     mcv_error *error;
 } recorded;
 
-/* A tile drive and the least ticks of its runs. */
+/* A tile drive and the ticks of its runs. */
 typedef struct ticking {
     drive *drive;
-    cl_uint *least;
+    drive_ticks ticks;
 } ticking;
 
 static mcv_result run_ticking(void *user, mcv_error *error) {
     ticking *t = user;
     MCV_TRY(drive_run(t->drive, error));
-    return drive_least_ticks(t->drive, &t->least, error);
+    return drive_add_ticks(t->drive, &t->ticks, error);
 }
 
 static double items_of(const mcv_render_stats *stats, int stage) {
@@ -63,24 +63,40 @@ static double items_of(const mcv_render_stats *stats, int stage) {
 }
 
 static mcv_result time_stages(recorded *r) {
-    ticking tile = {&r->tile, NULL};
+    ticking tile = {&r->tile, {NULL, 0}};
     bench_side side = {.run = run_ticking, .user = &tile};
-    double shares[STAGE_COUNT], seconds = INFINITY;
+    double seconds[STAGE_COUNT];
     const mcv_result result = bench_time(r->b, &side, 1, r->error);
-    if (result == MCV_OK) drive_shares_of_ticks(&r->tile, tile.least, shares);
-    free(tile.least);
+    if (result == MCV_OK) drive_least_seconds(&r->tile, &tile.ticks, seconds);
+    free(tile.ticks.least);
     MCV_TRY(result);
-    for (int i = 0; i < r->b->repetitions; ++i)
-        seconds = fmin(seconds, side.seconds[i].by[BENCH_CPU]);
     for (int i = 0; i < STAGE_COUNT; ++i) {
         const double items = items_of(&r->tile.stats, i);
-        if (shares[i] <= 0 || items <= 0) continue;
-        bench_number(r->b, 1e9 * seconds * shares[i] / items, NAN, "ns", "%s, stage %s", r->name,
+        if (seconds[i] <= 0 || items <= 0) continue;
+        bench_number(r->b, 1e9 * seconds[i] / items, NAN, "ns", "%s, stage %s", r->name,
                      stage_names[i]);
         bench_more(r->b, "items", items);
-        bench_more(r->b, "share", shares[i]);
     }
     return MCV_OK;
+}
+
+/* Our last closest hits are those of the render. *different: the share that Embree's, in `theirs`,
+ * have not: it has no error bounds, and meets the surface again that a ray leaves. */
+static mcv_result check_hits(const recorded *r, int kind, const mcv_hit *theirs,
+                             double *different) {
+    const ray_list *list = r->lists + kind;
+    const uint32_t count = (uint32_t)list->count;
+    mcv_hit *ours = malloc(count * sizeof *ours);
+    if (!ours) return mcv_fail(r->error, MCV_FAILED, "no memory for the hits");
+    mcv_result result =
+        mcv_cl_read(r->core, r->caster.out, 0, count * sizeof *ours, ours, r->error);
+    const bool same = kind > RECORDED_LATER || !memcmp(ours, list->hits, count * sizeof *ours);
+    if (result == MCV_OK && !same)
+        result = mcv_fail(r->error, MCV_FAILED, "%s, %s: recorded rays have other hits", r->name,
+                          kind_names[kind]);
+    *different = share_that_differs(ours, theirs, count);
+    free(ours);
+    return result;
 }
 
 /* The rays of one kind on all sides. */
@@ -88,6 +104,7 @@ static mcv_result time_rays(recorded *r, int kind) {
     const ray_list *list = r->lists + kind;
     const uint32_t count = (uint32_t)list->count;
     const bool any = kind == RECORDED_SHADOW_ANY;
+    double different = NAN;
     mcv_hit *hits = malloc(count * sizeof *hits);
     int *found = malloc(count * sizeof *found);
     cast together = {&r->caster, r->caster.kernels[any ? ANY_MANY : CLOSEST_MANY]},
@@ -103,10 +120,12 @@ static mcv_result time_rays(recorded *r, int kind) {
     mcv_result result = hits && found ? caster_take(&r->caster, list->rays, count, r->error)
                                       : mcv_fail(r->error, MCV_FAILED, "no memory for the rays");
     if (result == MCV_OK) result = bench_time(r->b, sides, SIDES, r->error);
+    if (result == MCV_OK && !any) result = check_hits(r, kind, hits, &different);
     for (int i = ALONE; i < SIDES && result == MCV_OK; ++i) {
         const double ratio = bench_row(r->b, BENCH_CPU, sides, sides + i, count, "Mrays/s",
                                        "%s, %s, %s", r->name, kind_names[kind], side_names[i]);
         bench_more(r->b, "rays", count);
+        bench_more(r->b, "share_that_differs", different);
         bench_more(r->b, "nanoseconds", 1e9 * bench_side_median(r->b, sides, BENCH_CPU) / count);
         bench_more(r->b, "peer_nanoseconds",
                    1e9 * bench_side_median(r->b, sides + i, BENCH_CPU) / count);
@@ -129,7 +148,7 @@ static mcv_result bench_scene(recorded *r, const mcv_scene *scene, RTCDevice emb
     MCV_TRY(drive_open(r->core, scene, stream, &r->stream, r->error));
     MCV_TRY(time_stages(r));
     MCV_TRY(record_rays(&r->stream, r->tile.schedule.slice, r->lists, r->error));
-    mesh m = mesh_of_scene(scene);
+    mesh m = mesh_of_scene(scene, r->tile.device.packed.centre);
     mcv_result result = mcv_bvh_build(m.positions, m.indices, m.triangle_count, 0, &bvh, r->error);
     if (result == MCV_OK) {
         result = caster_open(r->core, &bvh, &r->caster, r->error);

@@ -26,9 +26,9 @@ static mcv_result list_reserve(ray_list *list, size_t more, mcv_error *error) {
     if (hits) list->hits = hits;
     uint32_t *paths = realloc(list->paths, list->capacity * sizeof *paths);
     if (paths) list->paths = paths;
-    return rays && hits && paths
-               ? MCV_OK
-               : mcv_fail(error, MCV_FAILED, "no memory for the rays of a launch");
+    if (rays && hits && paths) return MCV_OK;
+    (void)mcv_fail(error, MCV_FAILED, "no memory for the rays of a launch");
+    return MCV_FAILED;
 }
 
 void ray_list_free(ray_list *list) {
@@ -41,6 +41,7 @@ void ray_list_free(ray_list *list) {
 /* From depth after depth to slice after slice, in which depth after depth. */
 static mcv_result list_by_slice(ray_list *list, uint32_t slice, uint32_t slices, mcv_error *error) {
     ray_list sorted = {0};
+    if (list->count == 0) return MCV_OK;
     size_t *next = calloc(slices + 1, sizeof *next);
     if (!next) return mcv_fail(error, MCV_FAILED, "no memory to sort rays");
     mcv_result result = list_reserve(&sorted, list->count, error);

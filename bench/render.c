@@ -50,29 +50,32 @@ static const struct {
     group group;
     bool is_seen_diffuse; /* light paths connect all that the camera sees: ptracer fits */
     double lost;          /* bound of the multiple scattering of rough metal, which Mitsuba leaves
-                             out: by mcv_microsurface walks where emitters are low */
+                             out: by walks over microfacets where emitters are low */
     uint32_t surfaces;    /* the depth limit, where it is not SURFACES */
-} scenes[] = {{"lens", "path", OPTICS, false, 0, 0},
-              {"assembly", "path", PLAIN, false, 0, 0},
-              {"satin conductor", "path", PLAIN, false, 0, 0},
-              {"rough glass", "path", OPTICS, false, 0, 0},
-              {"telecentric backlight", "path", OPTICS, false, 0, 0},
-              {"sky", "path", PLAIN, false, 0, 0},
-              {"absorbing", "volpath", OPTICS, false, 0, 0},
-              {"cube", "path", OPTICS, false, 0, 0},
-              {"area", "path", PLAIN, true, 0, 0},
-              {"parallel panel", "path", CONE, true, 0, 0},
-              {"opening", "path", OPENING, true, 0, 0},
-              {"mesh lens", "path", MESH, false, 0, 0},
-              {"mesh board", "path", MESH, true, 0, 0},
-              {"mesh part", "path", MESH, true, 0, 0},
-              {"mesh metal part", "path", MESH, false, 0.1, 0},
-              {"mesh part in the sun", "path", MESH, false, 0.1, 0},
-              {"mesh vial", "volpath", MESH, false, 0, 0},
-              {"mesh displaced", "path", MESH, true, 0, 8},
-              {"mesh lamps", "path", MESH, true, 0, 8},
-              {"mesh plate", "path", MESH, false, 0.22, 0},
-              {"mesh tray", "path", MESH, false, 0.1, 0}};
+    bool bursts;          /* Mitsuba's paths find light behind glass rarely, by chance: with few
+                             samples most pixels lack it and few have it all, and ranks differ
+                             where means are equal */
+} scenes[] = {{"lens", "path", OPTICS, false, 0, 0, false},
+              {"assembly", "path", PLAIN, false, 0, 0, false},
+              {"satin conductor", "path", PLAIN, false, 0, 0, false},
+              {"rough glass", "path", OPTICS, false, 0, 0, false},
+              {"telecentric backlight", "path", OPTICS, false, 0, 0, false},
+              {"sky", "path", PLAIN, false, 0, 0, false},
+              {"absorbing", "volpath", OPTICS, false, 0, 0, false},
+              {"cube", "path", OPTICS, false, 0, 0, false},
+              {"area", "path", PLAIN, true, 0, 0, false},
+              {"parallel panel", "path", CONE, true, 0, 0, false},
+              {"opening", "path", OPENING, true, 0, 0, false},
+              {"mesh lens", "path", MESH, false, 0, 0, true},
+              {"mesh board", "path", MESH, true, 0, 0, false},
+              {"mesh part", "path", MESH, true, 0, 0, false},
+              {"mesh metal part", "path", MESH, false, 0.1, 0, false},
+              {"mesh part in the sun", "path", MESH, false, 0.1, 0, false},
+              {"mesh vial", "volpath", MESH, false, 0, 0, true},
+              {"mesh displaced", "path", MESH, true, 0, 8, false},
+              {"mesh lamps", "path", MESH, true, 0, 8, false},
+              {"mesh plate", "path", MESH, false, 0.22, 0, false},
+              {"mesh tray", "path", MESH, false, 0.1, 0, false}};
 enum { SCENES = sizeof scenes / sizeof scenes[0] };
 
 enum { LLVM, SCALAR, MONO, VARIANTS };
@@ -411,9 +414,10 @@ static double share_lost(const char *name) {
 static const double OFFSETS = 2e-4;
 
 /*
- * Whether both pictures are the same: within their noise, or their means within the effect of the
- * offsets and of multiple scattering between microfacets, which Mitsuba loses. The bound of the
- * latter takes all light to have met such a surface once.
+ * Whether both pictures are the same: within their noise; where one side has rare bursts, their
+ * means within their noise; or their means within the effect of the offsets and of multiple
+ * scattering between microfacets, which Mitsuba loses. The bound of the latter takes all light to
+ * have met such a surface once.
  */
 static mcv_result compare_truths(bench *b, int scene, const mcv_film truths[2], bool *agree,
                                  mcv_error *error) {
@@ -426,7 +430,10 @@ static mcv_result compare_truths(bench *b, int scene, const mcv_film truths[2], 
     *agree = !c.different ||
              (c.mean_y <= (1 + OFFSETS) * c.mean_x && c.mean_y >= (1 - lost - OFFSETS) * c.mean_x);
     if (!c.different) snprintf(words, sizeof words, "pictures agree");
-    if (c.different && *agree)
+    if (c.different && !*agree && scenes[scene].bursts && c.p_image >= MCV_COMPARE_ALPHA) {
+        *agree = true;
+        snprintf(words, sizeof words, "means agree, pixels have bursts");
+    } else if (c.different && *agree)
         snprintf(words, sizeof words, "means agree but for %.2g %%", 100 * (lost + OFFSETS));
     bench_number(b, c.mean_x, c.mean_y, "mean", "%s, %s", name, words);
     return MCV_OK;

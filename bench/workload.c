@@ -33,14 +33,14 @@ bool workload_wanted(const bench *b, int i) {
     return b->only ? strstr(meshes[i].name, b->only) != NULL : meshes[i].quick || !b->quick;
 }
 
-mesh mesh_of_scene(const mcv_scene *scene) {
+mesh mesh_of_scene(const mcv_scene *scene, const double centre[3]) {
     mesh m = mesh_new(3 * scene->triangle_count, scene->triangle_count);
     for (uint32_t i = 0; i < m.triangle_count; ++i) {
         const uint32_t instance = mcv_scene_instance_of(scene, i);
         double corners[3][3];
         mcv_scene_corners(scene, instance, i - scene->instances[instance].first_triangle, corners);
         for (uint32_t k = 0; k < 9; ++k)
-            m.positions[9 * (size_t)i + k] = (float)corners[k / 3][k % 3];
+            m.positions[9 * (size_t)i + k] = (float)(corners[k / 3][k % 3] - centre[k % 3]);
     }
     for (uint32_t i = 0; i < m.vertex_count; ++i) m.indices[i] = i;
     return m;
@@ -51,7 +51,7 @@ static mcv_result load_assembly(mesh *m, mcv_error *error) {
     mcv_scene *scene;
     MCV_TRY(mcv_scene_load(MCV_SOURCE_DIR "/scenes/2CylinderEngine.glb", (mcv_overrides){0}, &scene,
                            error));
-    *m = mesh_of_scene(scene);
+    *m = mesh_of_scene(scene, (const double[3]){0, 0, 0});
     mcv_scene_free(scene);
     float lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY},
           half = 0;

@@ -22,8 +22,9 @@ typedef struct workload_mesh {
 /* Free it with mesh_free. */
 mcv_result workload_load(int i, workload_mesh *made, mcv_error *error);
 
-/* The triangles of all instances of a scene, without shared vertices. Free it with mesh_free. */
-mesh mesh_of_scene(const mcv_scene *scene);
+/* The triangles of all instances of a scene, without shared vertices, about `centre`. Free it with
+ * mesh_free. */
+mesh mesh_of_scene(const mcv_scene *scene, const double centre[3]);
 
 /* --quick and --only leave out some. */
 bool workload_wanted(const bench *b, int i);

@@ -45,6 +45,27 @@ MCV_LOOP_FUNCTION void mcv_packet_setup(mcv_rows origins, mcv_rows directions, c
     }
 }
 
+/* So many of a packet's origins are looked at. */
+#define MCV_ORIGIN_SAMPLES 16u
+
+/* Whether rays begin within an eighth of the scene. */
+MCV_LOOP_FUNCTION int mcv_begin_near(mcv_rows origins, const uint *numbers, uint count,
+                                     float extent) {
+    float widest = 0.0f;
+    for (uint axis = 0; axis < 3; ++axis) {
+        float low = INFINITY, high = -INFINITY;
+        for (uint i = 0; i < MCV_ORIGIN_SAMPLES; ++i) {
+            const uint number = numbers[i * count / MCV_ORIGIN_SAMPLES];
+            const float o =
+                as_float(origins.base[number * origins.step + axis * origins.component]);
+            low = o < low ? o : low;
+            high = o > high ? o : high;
+        }
+        widest = high - low > widest ? high - low : widest;
+    }
+    return widest < 0.125f * extent;
+}
+
 MCV_LOOP_FUNCTION mcv_slabs mcv_packet_slabs(const mcv_packet *p, uint i) {
     mcv_slabs slabs;
 #pragma unroll

@@ -22,7 +22,7 @@
 /* Rays keep each other company below a node where at least so many of them are expected at one of
  * its children's children, if all enter as many of them as here; where fewer, each continues alone
  * from the node. */
-#define MCV_PACKET_COMPANY 4u
+#define MCV_PACKET_COMPANY 6u
 
 /* So many of a packet wait for company in turns; the sooner they have gone, the sooner their hits
  * spare the packet nodes. */
@@ -46,15 +46,19 @@ typedef struct mcv_packet_traversal {
     uint depth; /* children that wait */
 } mcv_packet_traversal;
 
-/* Begins at the root. Closest hits are looked for by the rays of each octant of directions by
- * themselves, for which the nearest child is much the same one. */
-MCV_LOOP_FUNCTION void mcv_begin_packet(uint count, int any, mcv_packet_traversal *p) {
+/*
+ * Begins at the root. Where closest hits are looked for and rays begin far apart, those of each
+ * octant of directions go by themselves: for them the nearest child is much the same one. For rays
+ * that begin at one place it is the one in which they begin.
+ */
+MCV_LOOP_FUNCTION void mcv_begin_packet(uint count, int by_octant, mcv_packet_traversal *p) {
     uint roots = 0;
     for (uint i = 0; i < count; ++i) {
         uint octant = 0;
 #pragma unroll
-        for (int axis = 0; axis < 3 && !any; ++axis)
+        for (int axis = 0; axis < 3; ++axis)
             octant = octant << 1 | as_uint(p->rays.inverse[axis][i]) >> 31;
+        octant = by_octant ? octant : 0u;
         p->lists[0][i] = (uchar)i;
         p->masks[0][i] = (uchar)(1u << octant);
         roots |= 1u << octant;
@@ -114,13 +118,15 @@ MCV_LOOP_FUNCTION mcv_packet_entries mcv_enter_node(__global const mcv_node *nod
 }
 
 /* Whether each ray had better continue alone: a ray enters a child with the chance count / (rays
- * children), and a child of it with the same. Where most children are leaves, the leaves decide. */
+ * children), and a child of it with the same. Where most children are leaves, the leaves decide;
+ * where rays seldom enter two children, the order of their own would spare them little. */
 MCV_LOOP_FUNCTION int mcv_rays_part(__global const mcv_node *node, mcv_packet_entries found) {
     const uint children = popcount(found.entered);
     uint nodes = 0;
     for (uint lane = 0; lane < MCV_BVH_WIDTH; ++lane)
         nodes |= (node->child[lane] >> 31 ^ 1u) << lane;
     return (2u * popcount(found.entered & nodes) > children) &
+           (2u * found.count > 3u * found.rays) &
            (found.count * found.count < MCV_PACKET_COMPANY * children * children * found.rays);
 }
 
@@ -169,7 +175,8 @@ MCV_LOOP_FUNCTION void mcv_trace_packet(__global const mcv_node *nodes,
     uint alone = 0;
     mcv_packet_setup(origins, directions, numbers, count, nodes->extent, hits, &p.rays);
     if (together) {
-        mcv_begin_packet(count, any, &p);
+        const int by_octant = !any && !mcv_begin_near(origins, numbers, count, nodes->extent);
+        mcv_begin_packet(count, by_octant, &p);
     } else {
         p.depth = 0;
         for (; alone < count; ++alone) stragglers[alone] = (mcv_straggler){alone, 0};
