@@ -2,6 +2,7 @@
 /* mcvisi render: every sensor of a scene, or one, into OpenEXR and PNG. */
 #include "check/findings.h"
 #include "cli/camera.h"
+#include "cli/early.h"
 #include "cli/interrupt.h"
 #include "cli/verbs.h"
 #include "cli/picture.h"
@@ -9,7 +10,6 @@
 #include "verbs/report.h"
 #include "scene/sensor_find.h"
 #include "core/basics.h"
-#include "report/progress.h"
 #include "report/summary.h"
 #include "reference/reference.h"
 #include "loader/load.h"
@@ -19,23 +19,14 @@
 #include <stdlib.h>
 #include <string.h>
 
-static mcv_result render_sensor(const mcv_command *command, const mcv_scene *scene,
-                                mcv_render_options options, uint32_t sensor,
-                                const mcv_render_files *picture, mcv_film *film,
-                                mcv_summary *summary, mcv_error *error) {
-    const bool reference = mcv_wants_reference(command);
-    if (reference)
-        options.sampler = MCV_SAMPLER_RANDOM; /* it has no other, and the header says so */
-    mcv_progress_line line = mcv_progress_stderr(summary->sensor, &mcv_interrupt);
-    options.progress = mcv_progress_report;
-    options.user = &line;
-    const mcv_result result = (reference ? mcv_reference_render : mcv_render)(
-        scene, sensor, &options, film, &summary->stats, error);
-    mcv_progress_end(&line);
-    MCV_TRY(result);
+/* The files, and what is told of them. */
+static mcv_result write_image(const mcv_command *command, const mcv_scene *scene,
+                              const mcv_render_options *options, uint32_t sensor,
+                              const mcv_render_files *picture, const mcv_film *film,
+                              mcv_summary *summary, mcv_error *error) {
     const double begun = mcv_seconds();
     mcv_interrupt_watch(true);
-    MCV_TRY(mcv_render_files_write(picture, command, scene, sensor, &options, film, &summary->stats,
+    MCV_TRY(mcv_render_files_write(picture, command, scene, sensor, options, film, &summary->stats,
                                    &summary->preview, error));
     summary->seconds_write = mcv_seconds() - begun;
     summary->width = film->width;
@@ -47,6 +38,27 @@ static mcv_result render_sensor(const mcv_command *command, const mcv_scene *sce
     summary->error = mcv_film_relative_error(film);
     summary->mean = mcv_film_mean(film);
     return MCV_OK;
+}
+
+static mcv_result render_sensor(const mcv_command *command, const mcv_scene *scene,
+                                mcv_render_options options, uint32_t sensor,
+                                const mcv_render_files *picture, mcv_film *film,
+                                mcv_summary *summary, mcv_error *error) {
+    const bool reference = mcv_wants_reference(command);
+    if (reference)
+        options.sampler = MCV_SAMPLER_RANDOM; /* it has no other, and the header says so */
+    mcv_early early;
+    mcv_early_begin(&early, scene, sensor, picture, summary->sensor, &options);
+    mcv_result result = (reference ? mcv_reference_render : mcv_render)(
+        scene, sensor, &options, film, &summary->stats, error);
+    mcv_early_end(&early);
+    if (result == MCV_OK)
+        result = write_image(command, scene, &options, sensor, picture, film, summary, error);
+    summary->seconds_first_picture =
+        early.seconds > 0 ? early.seconds : mcv_seconds() - early.begun;
+    if (result != MCV_OK) mcv_early_withdraw(&early);
+    mcv_early_free(&early);
+    return result;
 }
 
 static mcv_result print_summary(const mcv_command *command, const mcv_summary *summary,

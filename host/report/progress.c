@@ -61,7 +61,9 @@ bool mcv_progress_report(void *user, double fraction, double seconds, double err
     if (isfinite(error) && error > 0)
         snprintf(reached, sizeof reached, ", error %.2g %%", 100 * error);
     if (isnan(fraction))
-        width = snprintf(text, sizeof text, "%s: compiling kernels", line->label);
+        width = snprintf(text, sizeof text, "%s: compiling kernels%s%s", line->label,
+                         line->picture ? "; a coarse preview is in " : "",
+                         line->picture ? line->picture : "");
     else
         width = snprintf(text, sizeof text, "%s: %3.0f %%%s, %s%s", line->label,
                          100 * fmin(fraction, 1), reached, spent, left);
