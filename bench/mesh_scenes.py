@@ -133,7 +133,12 @@ def png(picture):
         struct.pack(">I", len(data)) + name + data + struct.pack(">I", zlib.crc32(name + data))
     )
     head = struct.pack(">IIBBBBB", picture.shape[1], picture.shape[0], 8, 2, 0, 0, 0)
-    return b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head) + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b"")
+    return (
+        b"\x89PNG\r\n\x1a\n"
+        + chunk(b"IHDR", head)
+        + chunk(b"IDAT", zlib.compress(rows))
+        + chunk(b"IEND", b"")
+    )
 
 
 def board_picture(size=2048):
@@ -163,17 +168,24 @@ def exr(picture):
     def attribute(name, kind, value):
         return f"{name}\0{kind}\0".encode() + struct.pack("<i", len(value)) + value
 
-    channels = b"".join(name + b"\0" + struct.pack("<iB3xii", 2, 0, 1, 1) for name in (b"B", b"G", b"R"))
+    channels = b"".join(
+        name + b"\0" + struct.pack("<iB3xii", 2, 0, 1, 1) for name in (b"B", b"G", b"R")
+    )
     window = struct.pack("<4i", 0, 0, width - 1, height - 1)
     head = struct.pack("<ii", 20000630, 2) + attribute("channels", "chlist", channels + b"\0")
-    head += attribute("compression", "compression", b"\0") + attribute("dataWindow", "box2i", window)
+    head += attribute("compression", "compression", b"\0") + attribute(
+        "dataWindow", "box2i", window
+    )
     head += attribute("displayWindow", "box2i", window) + attribute("lineOrder", "lineOrder", b"\0")
     head += attribute("pixelAspectRatio", "float", struct.pack("<f", 1))
     head += attribute("screenWindowCenter", "v2f", struct.pack("<2f", 0, 0))
     head += attribute("screenWindowWidth", "float", struct.pack("<f", 1)) + b"\0"
     size = 12 * width
     places = len(head) + 8 * height + (8 + size) * np.arange(height)
-    rows = [struct.pack("<ii", y, size) + picture[y, :, ::-1].T.astype("<f4").tobytes() for y in range(height)]
+    rows = [
+        struct.pack("<ii", y, size) + picture[y, :, ::-1].T.astype("<f4").tobytes()
+        for y in range(height)
+    ]
     return head + places.astype("<u8").tobytes() + b"".join(rows)
 
 
@@ -181,7 +193,9 @@ def sun_picture(width=512):
     """By longitude and latitude: a sky, ground, and a sun of some 1.4 degrees."""
     v, u = np.mgrid[0 : width // 2, 0:width]
     height = 1 - (v + 0.5) / (width / 4)
-    sky = np.where(height[..., None] > 0, [0.4, 0.6, 1.0], [0.1, 0.09, 0.08]) * (1 + 0 * u[..., None])
+    sky = np.where(height[..., None] > 0, [0.4, 0.6, 1.0], [0.1, 0.09, 0.08]) * (
+        1 + 0 * u[..., None]
+    )
     sun = (u - 0.62 * width) ** 2 + (v - 0.14 * width) ** 2 < 1.5**2
     return np.where(sun[..., None], [9000, 8000, 6500], sky).astype("f4")
 
@@ -191,7 +205,13 @@ def sun_picture(width=512):
 
 def camera(origin, target, half_width, lens=0.0, focus=0.0):
     """half_width: of the field, over its distance."""
-    return {"origin": origin, "target": target, "half_width": half_width, "lens": lens, "focus": focus}
+    return {
+        "origin": origin,
+        "target": target,
+        "half_width": half_width,
+        "lens": lens,
+        "focus": focus,
+    }
 
 
 def lamp(origin, target, size, radiance):
@@ -200,7 +220,10 @@ def lamp(origin, target, size, radiance):
 
 def ring(count, radius, height, size, radiance, target=(0, 0, 0)):
     angles = np.arange(count) * TURN / count
-    return [lamp((radius * np.cos(a), height, radius * np.sin(a)), target, size, radiance) for a in angles]
+    return [
+        lamp((radius * np.cos(a), height, radius * np.sin(a)), target, size, radiance)
+        for a in angles
+    ]
 
 
 def diffuse(reflectance):
@@ -213,7 +236,13 @@ def metal(alpha_x, alpha_y=None):
 
 
 def glass(inside, outside=1.0, priority=0, absorption=0.0):
-    return {"type": "glass", "inside": inside, "outside": outside, "priority": priority, "absorption": absorption}
+    return {
+        "type": "glass",
+        "inside": inside,
+        "outside": outside,
+        "priority": priority,
+        "absorption": absorption,
+    }
 
 
 def body(shape, material, **more):
@@ -233,7 +262,13 @@ def lens_scene():
     return {
         "camera": camera((0, 0, 0.3), (0, 0, 0), 0.15, lens=0.008, focus=0.42),
         "lamps": [lamp((0.15, 0.25, 0.15), (0, 0, -0.1), (0.06, 0.06), 20)],
-        "bodies": [body(mesh(turned, wall["triangles"], uv=wall["uv"]), {**diffuse(1.0), "picture": "checker"}), body(body_lens, glass(1.5))],
+        "bodies": [
+            body(
+                mesh(turned, wall["triangles"], uv=wall["uv"]),
+                {**diffuse(1.0), "picture": "checker"},
+            ),
+            body(body_lens, glass(1.5)),
+        ],
     }
 
 
@@ -260,7 +295,12 @@ def cad_scene(fine):
     return {
         "camera": camera((0.05, 0.25, 0.12), (0, 0, 0), 0.24),
         "lamps": ring(24, 0.15, 0.18, (0.02, 0.02), 30),
-        "bodies": [body(turned_part(19, segments, fillet), metal(0.2) if fine else diffuse([0.5, 0.5, 0.5])), body(sheet(0.6, 0.6, lambda u, v: 0 * u - 0.0101), WHITE)],
+        "bodies": [
+            body(
+                turned_part(19, segments, fillet), metal(0.2) if fine else diffuse([0.5, 0.5, 0.5])
+            ),
+            body(sheet(0.6, 0.6, lambda u, v: 0 * u - 0.0101), WHITE),
+        ],
     }
 
 
@@ -270,22 +310,38 @@ def sun_scene():
 
 def vial_scene():
     outer, inner, floor, top, level, segments = 0.012, 0.0105, 0.0015, 0.04, 0.026, 256
-    shell = revolved([(0, 0), (outer, 0), (outer, top), (inner, top), (inner, floor), (0, floor)], segments)
+    shell = revolved(
+        [(0, 0), (outer, 0), (outer, top), (inner, top), (inner, floor), (0, floor)], segments
+    )
     overlap = 0.5 * (outer - inner)
-    liquid = revolved([(0, floor - overlap), (inner + overlap, floor - overlap), (inner + overlap, level), (0, level)], segments)
+    liquid = revolved(
+        [
+            (0, floor - overlap),
+            (inner + overlap, floor - overlap),
+            (inner + overlap, level),
+            (0, level),
+        ],
+        segments,
+    )
     bubble = ball(0.0015, (0.003, 0.014, 0.002), 64)
     tint = (8.0, 30.0, 60.0)
     wall = lambda material, profile: body(revolved(profile, segments), material, only="theirs")
     return {
         "camera": camera((0, 0.02, 0.25), (0, 0.02, 0), 0.1),
-        "lamps": [lamp((0, 0.02, -0.1), (0, 0.02, 0), (0.12, 0.12), 1), lamp((0.1, 0.2, 0.15), (0, 0, 0), (0.02, 0.02), 20)],
+        "lamps": [
+            lamp((0, 0.02, -0.1), (0, 0.02, 0), (0.12, 0.12), 1),
+            lamp((0.1, 0.2, 0.15), (0, 0, 0), (0.02, 0.02), 20),
+        ],
         "bodies": [
             body(sheet(0.3, 0.3, lambda u, v: 0 * u - 0.0005), WHITE),
             body(shell, glass(1.5, priority=2), only="ours"),
             body(liquid, glass(1.33, priority=1, absorption=tint), only="ours"),
             body(bubble, glass(1.0, priority=3), only="ours"),
             wall(glass(1.5), [(0, 0), (outer, 0), (outer, top), (inner, top), (inner, level)]),
-            wall({**glass(1.5, 1.33), "outer_absorption": tint}, [(inner, level), (inner, floor), (0, floor)]),
+            wall(
+                {**glass(1.5, 1.33), "outer_absorption": tint},
+                [(inner, level), (inner, floor), (0, floor)],
+            ),
             wall(glass(1.33, 1.0, absorption=tint), [(inner, level), (0, level)]),
             body(bubble, {**glass(1.0, 1.33), "outer_absorption": tint}, only="theirs"),
         ],
@@ -315,10 +371,15 @@ def lamps_scene():
     lamps = []
     for i in range(64):
         x, z = (i % 8 - 3.5) / 4 * 0.9, (i // 8 - 3.5) / 4 * 0.9
-        lamps.append(lamp((x, 0.99, z), (x, 0, z + 1e-3), (0.03, 0.03), 30 * random.uniform(0.2, 1)))
+        lamps.append(
+            lamp((x, 0.99, z), (x, 0, z + 1e-3), (0.03, 0.03), 30 * random.uniform(0.2, 1))
+        )
     room = box((2, 2, 2), (0, 0, 0))
     room["triangles"] = room["triangles"][:, ::-1].copy()
-    parts = [box(random.uniform(0.1, 0.4, 3), (x, -0.85, z), random.uniform(0, 1)) for x, z in random.uniform(-0.8, 0.8, (12, 2))]
+    parts = [
+        box(random.uniform(0.1, 0.4, 3), (x, -0.85, z), random.uniform(0, 1))
+        for x, z in random.uniform(-0.8, 0.8, (12, 2))
+    ]
     return {
         "camera": camera((0, 0.1, 0.98), (0, -0.3, 0), 0.7),
         "lamps": lamps,
@@ -333,7 +394,9 @@ def plate_scene():
         depth = 0 * u
         for radius in (6, 12, 20):
             depth -= np.exp(-((np.hypot(x, y) - radius) ** 2) / 0.3)
-        depth -= np.where((np.abs(x) < 25) & (np.abs(y - 24) < 3), np.exp(-((np.mod(x, 4) - 2) ** 2) / 0.2), 0)
+        depth -= np.where(
+            (np.abs(x) < 25) & (np.abs(y - 24) < 3), np.exp(-((np.mod(x, 4) - 2) ** 2) / 0.2), 0
+        )
         return 0.0004 * depth
 
     return {
@@ -382,16 +445,32 @@ def matrix(origin, target):
 def our_material(material):
     kind = material["type"]
     if kind == "diffuse":
-        made = {"extensions": {"MCVISI_materials": {"type": "diffuse", "reflectance": material["reflectance"]}}}
+        made = {
+            "extensions": {
+                "MCVISI_materials": {"type": "diffuse", "reflectance": material["reflectance"]}
+            }
+        }
     elif kind == "conductor":
         x, y = material["alpha"]
-        # glTF's KHR_materials_anisotropy: alpha along the tangent is mixed between roughness² and 1.
+        # glTF's KHR_materials_anisotropy: alpha along the tangent is mixed between roughness² and
+        # 1.
         roughness = y**0.5
         anisotropy = ((x - y) / (1 - y)) ** 0.5
-        made = {"extensions": {"MCVISI_materials": {"type": "conductor", **ALUMINIUM, "roughness": roughness, "anisotropy": anisotropy}}}
+        made = {
+            "extensions": {
+                "MCVISI_materials": {
+                    "type": "conductor",
+                    **ALUMINIUM,
+                    "roughness": roughness,
+                    "anisotropy": anisotropy,
+                }
+            }
+        }
     else:
         inside = {"type": "dielectric", "ior": material["inside"], "priority": material["priority"]}
-        made = {"extensions": {"MCVISI_materials": {**inside, "absorption": material["absorption"]}}}
+        made = {
+            "extensions": {"MCVISI_materials": {**inside, "absorption": material["absorption"]}}
+        }
     return made
 
 
@@ -402,8 +481,15 @@ def write(folder, name):
 
     def accessor(array, kind, target):
         nonlocal data
-        views.append({"buffer": 0, "byteOffset": len(data), "byteLength": array.nbytes, "target": target})
-        entry = {"bufferView": len(views) - 1, "componentType": 5125 if array.dtype == np.uint32 else 5126, "count": len(array) if kind != "SCALAR" else array.size, "type": kind}
+        views.append(
+            {"buffer": 0, "byteOffset": len(data), "byteLength": array.nbytes, "target": target}
+        )
+        entry = {
+            "bufferView": len(views) - 1,
+            "componentType": 5125 if array.dtype == np.uint32 else 5126,
+            "count": len(array) if kind != "SCALAR" else array.size,
+            "type": kind,
+        }
         if kind == "VEC3":
             entry |= {"min": array.min(0).tolist(), "max": array.max(0).tolist()}
         accessors.append(entry)
@@ -421,33 +507,76 @@ def write(folder, name):
             attributes["TEXCOORD_0"] = accessor(shape["uv"], "VEC2", 34962)
         if "picture" in part["material"]:
             images.append({"uri": f"{part['material']['picture']}.png"})
-            material["pbrMetallicRoughness"] = {"baseColorTexture": {"index": len(images) - 1}, "metallicFactor": 0}
+            material["pbrMetallicRoughness"] = {
+                "baseColorTexture": {"index": len(images) - 1},
+                "metallicFactor": 0,
+            }
         material["name"] = f"material {number}"
         indices = accessor(shape["triangles"], "SCALAR", 34963)
-        meshes.append({"primitives": [{"attributes": attributes, "indices": indices, "material": len(materials)}]})
+        meshes.append(
+            {
+                "primitives": [
+                    {"attributes": attributes, "indices": indices, "material": len(materials)}
+                ]
+            }
+        )
         materials.append(material)
         nodes.append({"name": f"body {number}", "mesh": len(meshes) - 1})
-    emitters = [{"name": f"lamp {i}", "type": "area", "size": list(e["size"]), "radiance": e["radiance"]} for i, e in enumerate(scene["lamps"])]
+    emitters = [
+        {"name": f"lamp {i}", "type": "area", "size": list(e["size"]), "radiance": e["radiance"]}
+        for i, e in enumerate(scene["lamps"])
+    ]
     for i, e in enumerate(scene["lamps"]):
-        nodes.append({"name": f"lamp {i}", "matrix": matrix(e["origin"], e["target"]), "extensions": {"MCVISI_emitters": {"emitter": i}}})
+        nodes.append(
+            {
+                "name": f"lamp {i}",
+                "matrix": matrix(e["origin"], e["target"]),
+                "extensions": {"MCVISI_emitters": {"emitter": i}},
+            }
+        )
     if "sky" in scene:
-        emitters.append({"name": "sky", "type": "environment", "image": {"uri": f"{scene['sky']}.exr"}})
-        nodes.append({"name": "sky", "extensions": {"MCVISI_emitters": {"emitter": len(emitters) - 1}}})
+        emitters.append(
+            {"name": "sky", "type": "environment", "image": {"uri": f"{scene['sky']}.exr"}}
+        )
+        nodes.append(
+            {"name": "sky", "extensions": {"MCVISI_emitters": {"emitter": len(emitters) - 1}}}
+        )
     seen = scene["camera"]
-    sensor = {"name": "camera", "type": "pinhole", "imageDistance": 0.1, "resolution": [256, 256], "pixelSize": 0.2 * seen["half_width"] / 256}
+    sensor = {
+        "name": "camera",
+        "type": "pinhole",
+        "imageDistance": 0.1,
+        "resolution": [256, 256],
+        "pixelSize": 0.2 * seen["half_width"] / 256,
+    }
     if seen["lens"] > 0:
         focal = 0.02
         image_distance = 1 / (1 / focal - 1 / seen["focus"])
-        sensor |= {"type": "thinLens", "focalLength": focal, "focusDistance": seen["focus"], "lensDiameter": 2 * seen["lens"], "pixelSize": 2 * seen["half_width"] * image_distance / 256}
+        sensor |= {
+            "type": "thinLens",
+            "focalLength": focal,
+            "focusDistance": seen["focus"],
+            "lensDiameter": 2 * seen["lens"],
+            "pixelSize": 2 * seen["half_width"] * image_distance / 256,
+        }
         del sensor["imageDistance"]
-    nodes.append({"name": "camera", "matrix": matrix(seen["origin"], seen["target"]), "extensions": {"MCVISI_sensors": {"sensor": 0}}})
+    nodes.append(
+        {
+            "name": "camera",
+            "matrix": matrix(seen["origin"], seen["target"]),
+            "extensions": {"MCVISI_sensors": {"sensor": 0}},
+        }
+    )
     (folder / f"{stem}.bin").write_bytes(data)
     document = {
         "asset": {"version": "2.0"},
         "scene": 0,
         "scenes": [{"nodes": list(range(len(nodes)))}],
         "extensionsUsed": ["MCVISI_emitters", "MCVISI_materials", "MCVISI_sensors"],
-        "extensions": {"MCVISI_sensors": {"sensors": [sensor]}, "MCVISI_emitters": {"emitters": emitters}},
+        "extensions": {
+            "MCVISI_sensors": {"sensors": [sensor]},
+            "MCVISI_emitters": {"emitters": emitters},
+        },
         "nodes": nodes,
         "meshes": meshes,
         "materials": materials,
@@ -468,16 +597,31 @@ SCALE = 100
 
 
 def write_ply(path, shape):
-    columns = [SCALE * shape["positions"]] + [shape[k] for k in ("normals", "uv") if shape[k] is not None]
-    names = ["x", "y", "z"] + (["nx", "ny", "nz"] if shape["normals"] is not None else []) + (["u", "v"] if shape["uv"] is not None else [])
+    columns = [SCALE * shape["positions"]] + [
+        shape[k] for k in ("normals", "uv") if shape[k] is not None
+    ]
+    names = (
+        ["x", "y", "z"]
+        + (["nx", "ny", "nz"] if shape["normals"] is not None else [])
+        + (["u", "v"] if shape["uv"] is not None else [])
+    )
     head = ["ply", "format binary_little_endian 1.0", f"element vertex {len(shape['positions'])}"]
     head += [f"property float {n}" for n in names]
-    head += [f"element face {len(shape['triangles'])}", "property list uchar int vertex_indices", "end_header"]
+    head += [
+        f"element face {len(shape['triangles'])}",
+        "property list uchar int vertex_indices",
+        "end_header",
+    ]
     faces = np.zeros(len(shape["triangles"]), dtype=[("n", "u1"), ("i", "<i4", 3)])
     faces["n"], faces["i"] = 3, shape["triangles"]
     if shape["uv"] is not None:  # pictures begin at the top in glTF
         columns[-1] = columns[-1] * [1, -1] + [0, 1]
-    path.write_bytes("\n".join(head).encode() + b"\n" + np.concatenate(columns, axis=1).astype("<f4").tobytes() + faces.tobytes())
+    path.write_bytes(
+        "\n".join(head).encode()
+        + b"\n"
+        + np.concatenate(columns, axis=1).astype("<f4").tobytes()
+        + faces.tobytes()
+    )
 
 
 def their_material(material, folder, rgb):
@@ -490,7 +634,16 @@ def their_material(material, folder, rgb):
     if kind == "conductor":
         x, y = material["alpha"]
         eta = {"eta": ALUMINIUM["n"], "k": ALUMINIUM["k"], "specular_reflectance": rgb(1.0)}
-        return {"type": "twosided", "bsdf": {"type": "roughconductor", "distribution": "ggx", "alpha_u": x, "alpha_v": y, **eta}}
+        return {
+            "type": "twosided",
+            "bsdf": {
+                "type": "roughconductor",
+                "distribution": "ggx",
+                "alpha_u": x,
+                "alpha_v": y,
+                **eta,
+            },
+        }
     return {"type": "dielectric", "int_ior": material["inside"], "ext_ior": material["outside"]}
 
 
@@ -518,7 +671,11 @@ def case(folder, name):
             continue
         path = folder / f"{file_name(name)}-{number}.ply"
         write_ply(path, part["mesh"])
-        shape = {"type": "ply", "filename": str(path), "face_normals": part["mesh"]["normals"] is None}
+        shape = {
+            "type": "ply",
+            "filename": str(path),
+            "face_normals": part["mesh"]["normals"] is None,
+        }
         shape["bsdf"] = their_material(part["material"], folder, rgb)
         if np.any(part["material"].get("absorption", 0.0)):
             shape["interior"] = medium(part["material"]["absorption"])
@@ -530,10 +687,19 @@ def case(folder, name):
         black = {"type": "diffuse", "reflectance": rgb(0.0)}
         emitter = {"type": "area", "radiance": rgb(e["radiance"])}
         to_world = place(e["origin"], e["target"]) @ T().scale(size)
-        parts[f"lamp {i}"] = {"type": "rectangle", "to_world": to_world, "bsdf": black, "emitter": emitter}
+        parts[f"lamp {i}"] = {
+            "type": "rectangle",
+            "to_world": to_world,
+            "bsdf": black,
+            "emitter": emitter,
+        }
     if "sky" in scene:
         to_world = T().rotate([0, 1, 0], 180)
-        parts["sky"] = {"type": "envmap", "filename": str(folder / f"{scene['sky']}.exr"), "to_world": to_world}
+        parts["sky"] = {
+            "type": "envmap",
+            "filename": str(folder / f"{scene['sky']}.exr"),
+            "to_world": to_world,
+        }
     seen = scene["camera"]
     fov = float(np.degrees(2 * np.arctan(seen["half_width"])))
     sensor = {"type": "perspective", "fov": fov, "to_world": place(seen["origin"], seen["target"])}

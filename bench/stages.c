@@ -34,37 +34,13 @@ enum { FIELD_END, MCV_PATH_FIELDS(MCV_X) FIELD_COUNT };
 #undef MCV_X
 
 static void field_words(const mcv_packed *packed, uint32_t words[FIELD_COUNT]) {
-    const uint32_t features = packed->features;
+    MCV_FEATURE_VARIABLES(packed->features)
     words[FIELD_END] = 0;
 #define MCV_CHANNELS packed->channels
-#define MCV_WITH_DIELECTRIC (features >> MCV_FEATURE_DIELECTRIC & 1)
-#define MCV_WITH_NEXT_EVENT (features >> MCV_FEATURE_NEXT_EVENT & 1)
-#define MCV_WITH_LIGHT_TRACING (features >> MCV_FEATURE_LIGHT_TRACING & 1)
-#define MCV_WITH_GLOSS (features >> MCV_FEATURE_GLOSS & 1)
-#define MCV_WITH_SPLIT (features >> MCV_FEATURE_SPLIT & 1)
-#define MCV_WITH_SURFACES (features >> MCV_FEATURE_SURFACES & 1)
-#define MCV_WITH_MIXED (features >> MCV_FEATURE_MIXED & 1)
-#define MCV_WITH_REACH (features >> MCV_FEATURE_REACH & 1)
-#define MCV_WITH_TEXTURE (features >> MCV_FEATURE_TEXTURE & 1)
-#define MCV_WITH_SHEET (features >> MCV_FEATURE_SHEET & 1)
-#define MCV_WITH_NORMALS (features >> MCV_FEATURE_NORMALS & 1)
-#define MCV_WITH_MIXED (features >> MCV_FEATURE_MIXED & 1)
 #define MCV_X(field, count) words[FIELD_##field] = (count);
     MCV_PATH_FIELDS(MCV_X)
 #undef MCV_X
 #undef MCV_CHANNELS
-#undef MCV_WITH_DIELECTRIC
-#undef MCV_WITH_NEXT_EVENT
-#undef MCV_WITH_LIGHT_TRACING
-#undef MCV_WITH_GLOSS
-#undef MCV_WITH_SURFACES
-#undef MCV_WITH_MIXED
-#undef MCV_WITH_REACH
-#undef MCV_WITH_TEXTURE
-#undef MCV_WITH_SHEET
-#undef MCV_WITH_NORMALS
-#undef MCV_WITH_MIXED
-#undef MCV_WITH_SPLIT
 }
 
 /* What each stage reads and writes of a path (the heads of kernels/<stage>.cl). */

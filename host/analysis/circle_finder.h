@@ -27,6 +27,7 @@ typedef struct mcv_circle_scan {
     double cosine;         /* of its angle to the normal */
     double by_level[2];    /* of the place by the levels outside and inside */
     double variance;       /* of the place by its own pixels */
+    double shared;         /* what it adds to the variance of a sum over many scans */
 } mcv_circle_scan;
 
 typedef struct mcv_circle_finder {

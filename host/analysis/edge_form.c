@@ -69,9 +69,11 @@ bool mcv_edge_find_form(const mcv_edge_patch *p, const mcv_edge_line *l, mcv_edg
         rows->spread += off * off;
         rows->squares += from * from;
         rows->noise += found.variance;
-        rows->noise2 += found.variance * found.variance;
+        rows->noise2 += mcv_readings_squared_covariance(p->readings, found.variance, found.shared);
+        rows->shared += found.shared;
     }
     rows->count = (double)n;
+    rows->shared /= rows->count;
     find_sagitta(places, n, &edge->sagitta);
     free(places);
     /* x² rises by a quarter of the chord's square from the middle to its ends; along the normal

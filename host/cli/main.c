@@ -2,7 +2,6 @@
 /* The program: one verb per file beside this one. */
 #include "cli/verbs.h"
 #include "cli/tell.h"
-#include "verbs/report.h"
 
 #include <errno.h>
 #include <stdio.h>

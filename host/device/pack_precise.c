@@ -3,6 +3,7 @@
  * surfaces and refractive indices in double. */
 #include "device/pack.h"
 #include "scene/geometry.h"
+#include "scene/materials.h"
 
 #include <stdlib.h>
 
@@ -44,7 +45,7 @@ mcv_result mcv_pack_precise(const mcv_scene *scene, mcv_packed *packed, mcv_erro
             const uint32_t medium = packed->instances[i].medium;
             const mcv_material *material = &scene->materials[scene->instances[i].material];
             if (medium > 0)
-                packed->refractive_indices[channel][medium] = material->as.dielectric.ior[channel];
+                packed->refractive_indices[channel][medium] = material->as.medium.ior[channel];
         }
     }
     return MCV_OK;

@@ -131,8 +131,7 @@ mcv_result mcv_experiment_run(mcv_sweep *s, mcv_error *error) {
     mcv_error later = {""};
     const mcv_result result = run_sets(s, error);
     if (s->table.row_count == 0 || !s->experiment->table) return result;
-    const mcv_result paged =
-        mcv_experiment_page(s->experiment->rig, &s->table, result == MCV_OK ? error : &later);
+    const mcv_result paged = mcv_experiment_page(s, result == MCV_OK ? error : &later);
     return result == MCV_OK ? paged : result;
 }
 

@@ -314,6 +314,13 @@ enum {
       "other metric with --until at most its own, within --spp and --time; may be repeated") \
     X(choice, in, "in", 0, "image|emd-gradient", MCV_IN_SWEEP, "image", 0, 0, \
       "measure in the image, or in the Earth Mover's gradient of a light field image") \
+    X(text, best, "best", 0, "NAME=largest|smallest", MCV_IN_SWEEP, NULL, 0, 0, \
+      "mark the set in which this metric is largest or smallest, and tell which sets are as " \
+      "good") \
+    X(text, title, "title", 0, "TEXT", MCV_IN_SWEEP, NULL, 0, 0, \
+      "the page's heading; by default Sweep of RIG") \
+    X(text, note, "note", 0, "TEXT", MCV_IN_SWEEP, NULL, 0, 0, \
+      "a sentence below the page's heading: what the sweep is to show") \
     X(text, table, "output", 'o', "F.csv", MCV_IN_SWEEP, NULL, 0, 0, \
       "the table; by default RIG-sweep.csv or EXPERIMENT-sweep.csv. Beside it are written " \
       "F.json, the experiment, and F.html, the page") \
@@ -348,8 +355,8 @@ enum {
       "print the -D options that specialise the scene's OpenCL programs; without a scene, " \
       "those with all features") \
     X(flag, json, "json", 0, NULL, \
-      MCV_IN_RENDERS | MCV_IN_CHECK | MCV_IN_COMPARE | MCV_IN_CAMERA | MCV_IN_MEASURE | \
-          MCV_IN_LIGHTFIELD | MCV_IN_DEVICES | MCV_IN_HELP, \
+      MCV_IN_RENDERS | MCV_IN_NEW | MCV_IN_CHECK | MCV_IN_COMPARE | MCV_IN_CAMERA | \
+          MCV_IN_MEASURE | MCV_IN_LIGHTFIELD | MCV_IN_IMPORT | MCV_IN_DEVICES | MCV_IN_HELP, \
       NULL, 0, 0, \
       "print JSON in SI units; render prints one object per sensor, each on one line; help " \
       "prints a schema of the options")

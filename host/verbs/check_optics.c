@@ -14,8 +14,9 @@
 #include <stdio.h>
 #include <string.h>
 
-/* A smaller share of a pupil, or of the directions, is probably a mistake. */
-static const double little = 0.5;
+/* A smaller share of a pupil, or of the directions, is probably a mistake. Of the square of
+ * directions a cone half as wide fills π/16, which shows the largest deflections on both sides. */
+static const double little_of_pupil = 0.5, little_of_directions = 0.19;
 
 /* The share of a sensor's pupil, or of its directions, that each emitter with a cone fills. */
 static mcv_result report_fillings(mcv_report *report, const mcv_scene *scene, uint32_t index,
@@ -32,7 +33,7 @@ static mcv_result report_fillings(mcv_report *report, const mcv_scene *scene, ui
         mcv_report_number(report, directions ? "share_of_directions_lit" : "share_of_pupil_lit", "",
                           fillings[i].share);
         mcv_report_close(report);
-        if (fillings[i].share < little)
+        if (fillings[i].share < (directions ? little_of_directions : little_of_pupil))
             result = mcv_findings_add(
                 findings, MCV_SEVERITY_WARNING, "emitters", emitter->name, NULL, error,
                 "emitter \"%s\" fills %.2g %% of the %s of sensor \"%s\" that looks into it: its "

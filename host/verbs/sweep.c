@@ -23,6 +23,7 @@ mcv_result mcv_sweep_experiment(const mcv_command *c, mcv_experiment *experiment
                                        .seed = (uint32_t)c->design_seed},
                          .measuring = {.metrics = mcv_texts_of(&c->metric),
                                        .until = mcv_texts_of(&c->until),
+                                       .best = c->best,
                                        .places = mcv_places_of(c),
                                        .camera = mcv_camera_settings_of(c),
                                        .channel = c->channel,
@@ -31,6 +32,8 @@ mcv_result mcv_sweep_experiment(const mcv_command *c, mcv_experiment *experiment
                                        .threads = (uint32_t)c->threads},
                          .render_with = mcv_wants_reference(c) ? mcv_reference_render : NULL,
                          .images = c->images,
+                         .title = c->title,
+                         .note = c->note,
                          .resume = c->resume,
                          .force = c->again};
     if (c->resume && c->again)
@@ -41,7 +44,9 @@ mcv_result mcv_sweep_experiment(const mcv_command *c, mcv_experiment *experiment
 json_t *mcv_sweep_settings(const mcv_command *command) {
     static const char *const without[] = {"output",  "images",   "resume", "force", "device",
                                           "threads", "schedule", "json",   NULL};
-    return mcv_command_json(command, without);
+    json_t *settings = mcv_command_json(command, without);
+    if (settings && command->noise_free) json_object_set_new(settings, "noise-free", json_true());
+    return settings;
 }
 
 /* --- what is told --- */

@@ -27,6 +27,9 @@
 #define MCV_SPLIT_BRANCHES 4
 #define MCV_BRANCHES (MCV_WITH_SPLIT ? MCV_SPLIT_BRANCHES : 1)
 
+/* Whether a surface may scatter light into other media than those of the ray that meets it. */
+#define MCV_CROSSES (MCV_WITH_DIELECTRIC && (MCV_WITH_GLOSS || MCV_WITH_REFLECTOR))
+
 /*
  * X(field, words): what a scene does not need has no words. It has a place all the same: what reads
  * or writes it stands behind `if (MCV_WITH_…)`, which is known to the compiler. Paths of either
@@ -56,7 +59,7 @@
                                        it is smooth */ \
     X(selection, \
       2 * MCV_WITH_NEXT_EVENT * MCV_WITH_REACH) /* emitters' chances at the last surface that \
-                                                   spread light (kernels/light/selection.h) */ \
+                                                   scattered light (kernels/light/selection.h) */ \
     X(path_class, MCV_WITH_LIGHT_TRACING)       /* MCV_PATH_CLASS_… */ \
     X(footprint, MCV_WITH_LIGHT_TRACING) /* of the pixel at the first diffuse surface [m²] */
 
@@ -80,16 +83,15 @@
 #define MCV_CAMERA_HIT_FIELDS(X) \
     X(branch_state, (5 + MCV_CHANNELS) * MCV_TILE * \
                         MCV_WITH_SPLIT) /* direction, media, density and throughput of a branch */ \
-    X(emitter, MCV_TILE *MCV_WITH_NEXT_EVENT) /* that the path looks for, or MCV_NONE */ \
+    X(emitter, MCV_TILE *MCV_WITH_NEXT_EVENT) /* that the path samples, or MCV_NONE */ \
     X(place, 4 * MCV_TILE * MCV_WITH_NEXT_EVENT * \
                  MCV_WITH_TEXTURE) /* a point on it: triangle, u, v, density of its choice */ \
     X(selection_here, 2 * MCV_WITH_NEXT_EVENT * MCV_WITH_REACH) /* at this surface */ \
     X(shadow_origin, 3 * MCV_WITH_NEXT_EVENT)                   /* ray to the emitter */ \
     X(shadow_direction, 3 * MCV_WITH_NEXT_EVENT) \
     X(shadow_origin_surface, MCV_WITH_NEXT_EVENT *MCV_WITH_SURFACES) \
-    X(shadow_density, MCV_TILE *MCV_WITH_NEXT_EVENT) /* as in mcv_shadow */ \
-    X(shadow_media, MCV_WITH_NEXT_EVENT *MCV_WITH_GLOSS \
-                        *MCV_WITH_DIELECTRIC)          /* that it leaves the surface in */ \
+    X(shadow_density, MCV_TILE *MCV_WITH_NEXT_EVENT)   /* as in mcv_shadow */ \
+    X(shadow_media, MCV_WITH_NEXT_EVENT *MCV_CROSSES)  /* that it leaves the surface in */ \
     X(shadow_light, MCV_WITH_NEXT_EVENT *MCV_CHANNELS) /* what it brings; 0: no ray */ \
     X(shadow_target, MCV_WITH_NEXT_EVENT) /* instance that must be met first; MCV_NONE: nothing \
                                              before t = 1; MCV_SKY: nothing at all */
@@ -125,9 +127,9 @@ enum {
     MCV_PATH_CLASS_STRAIGHT, /* nothing but what passes light straight on */
     MCV_PATH_CLASS_OTHER,    /* first of all another smooth surface, or a glossy one */
     MCV_PATH_CLASS_DIFFUSE,  /* first a diffuse surface; the last one, too */
-    MCV_PATH_CLASS_GLOSSY, /* first a diffuse surface; the last one that spreads light is glossy */
-    MCV_PATH_CLASS_CARRIED /* first a diffuse surface; then, too, but for smooth and sharp ones
-                              since */
+    MCV_PATH_CLASS_GLOSSY,   /* first a diffuse surface; the last scattering one is glossy */
+    MCV_PATH_CLASS_CARRIED   /* first a diffuse surface; then, too, but for smooth and near-specular
+                                ones   since */
 };
 
 #if MCV_ON_DEVICE

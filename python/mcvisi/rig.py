@@ -22,7 +22,7 @@ from mcvisi.library import (
     library,
     new_pointer,
     path_bytes,
-    text_of,
+    take_text,
     utf8,
 )
 from mcvisi.options import Path, options_json
@@ -336,16 +336,19 @@ class Rig(RigVerbs, Handle):
             raise UsageError("rays: must have six numbers each, origin and direction")
         rig, used = self._snapshot(), session_of(session)
         words = used._options(options)
+        table = ffi.new("char **")
         with used._used() as pointer:
-            table = text_of(
+            call(
                 "mcv_session_trace",
                 pointer,
                 rig,
                 ffi.from_buffer("double[]", values),
                 len(values),
                 words,
+                table,
+                ffi.NULL,
             )
-        return _columns(table)
+        return _columns(take_text(table))
 
     def _sweep(self, vary: Any, session: Optional[Session], options: Mapping[str, Any]) -> "Sweep":
         from mcvisi.sweep import Sweep

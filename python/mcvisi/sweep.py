@@ -81,6 +81,8 @@ class Sweep:
         self._job: Optional[Job] = None
         self._ended = False
         self._lock = threading.Lock()
+        #: What is odd in the scene, in sentences.
+        self.notes: List[str] = []
         #: The summary of the sweep, once it has ended.
         self.report: Mapping[str, Any] = {}
         if self._options.get("output") is None:
@@ -96,11 +98,14 @@ class Sweep:
     def _work(self, job: Job) -> Mapping[str, Any]:
         def told(_user: Any, row: Any) -> bool:
             if row != ffi.NULL and not job.stopped:
-                job.tell(Row(json.loads(ffi.string(row).decode())))
+                found = json.loads(ffi.string(row).decode())
+                self.notes += [note["text"] for note in found.get("notes", ())]
+                if "set" in found:
+                    job.tell(Row(found))
             return not job.stopped
 
         report, error = ffi.new("char **"), ffi.new("mcv_error *")
-        callback = ffi.callback("mcv_row_call", told, error=False)
+        callback = ffi.callback("mcv_told_call", told, error=False)
         try:
             call(
                 "mcv_session_sweep",
@@ -113,6 +118,7 @@ class Sweep:
             )
         except Error as failure:
             if not job.stopped or failure.code != 130:
+                take_text(report)  # there is one where all sets failed
                 raise
         words = take_text(report)
         found: Mapping[str, Any] = json.loads(words) if words else {}

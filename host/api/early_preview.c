@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "cli/early.h"
+#include "api/early_preview.h"
 
-#include "cli/interrupt.h"
+#include "api/border.h"
 #include "core/basics.h"
 #include "core/output_file.h"
+#include "io/png.h"
 #include "reference/reference.h"
 #include "scene/sensors.h"
 
@@ -45,15 +46,13 @@ static void write_preview(mcv_early *early, const mcv_image *coarse, uint32_t st
                           const char *by) {
     mcv_error ignored;
     mcv_preview preview = {.early = by};
-    const char *path = early->files->png;
+    const char *path = early->path;
     if (!early->written && access(path, F_OK) == 0 &&
         mcv_file_load(path, &early->older, &early->older_size, &ignored) != MCV_OK)
         return; /* it could not be put back */
     scale_up(early, coarse, stride, &preview);
-    if (mcv_png_write_preview(path, coarse, early->files->unit, &preview, &ignored) != MCV_OK)
-        return;
+    if (mcv_png_write_preview(path, coarse, early->unit, &preview, &ignored) != MCV_OK) return;
     early->written = true;
-    early->line.picture = path;
     if (early->seconds == 0) early->seconds = mcv_seconds() - early->begun;
 }
 
@@ -66,7 +65,7 @@ static bool draft_goes_on(void *user, double fraction, double seconds, double er
     (void)seconds;
     (void)error;
     pthread_mutex_lock(&early->lock);
-    const bool goes_on = !early->late && mcv_interrupt == 0;
+    const bool goes_on = !early->late;
     pthread_mutex_unlock(&early->lock);
     return goes_on;
 }
@@ -87,14 +86,13 @@ static bool device_is_ready(mcv_early *early) {
     return ready;
 }
 
-static void *make_draft(void *user) {
-    mcv_early *early = user;
+static void make_draft(mcv_early *early) {
     mcv_render_options options = mcv_render_defaults();
     uint32_t width, height, stride = 1;
     mcv_film film;
     mcv_image picture;
     mcv_error ignored;
-    if (device_is_ready(early)) return NULL;
+    if (device_is_ready(early)) return;
     mcv_sensor_film_size(early->scene->sensors + early->sensor, &width, &height);
     while ((uint64_t)((width + stride - 1) / stride) * ((height + stride - 1) / stride) >
            DRAFT_PIXELS)
@@ -108,42 +106,43 @@ static void *make_draft(void *user) {
     options.user = early;
     if (mcv_reference_draft(early->scene, early->sensor, &options, stride, &film, &ignored) !=
         MCV_OK)
-        return NULL;
+        return;
     if (film.samples > 0 && mcv_film_develop(&film, &picture, NULL, &ignored) == MCV_OK) {
         pthread_mutex_lock(&early->lock);
-        if (!early->late) {
+        if (!early->late)
             write_preview(early, &picture, stride,
                           "coarse, by the reference renderer while kernels compile");
-            mcv_progress_report(&early->line, NAN, mcv_seconds() - early->begun, INFINITY);
-        }
         pthread_mutex_unlock(&early->lock);
         mcv_image_free(&picture);
     }
     mcv_film_free(&film);
+}
+
+/* A number in the header has the point of the C locale in this thread, too. */
+static void *draft_in_thread(void *user) {
+    const locale_t host = mcv_border_enter();
+    make_draft(user);
+    mcv_border_leave(host);
     return NULL;
 }
 
-/* --- the callbacks of the render --- */
+/* --- the render --- */
 
-/* An mcv_pass_told: a fraction of NaN says that kernels begin to compile. */
-static bool report(void *user, double fraction, double seconds, double error) {
-    mcv_early *early = user;
+bool mcv_early_progress(mcv_early *early, double fraction) {
     const bool compiles = isnan(fraction);
     pthread_mutex_lock(&early->lock);
     if (compiles && !early->has_thread && early->scene->triangle_count <= MOST_TRIANGLES)
-        early->has_thread = pthread_create(&early->thread, NULL, make_draft, early) == 0;
+        early->has_thread = pthread_create(&early->thread, NULL, draft_in_thread, early) == 0;
     if (!compiles && !early->late) {
         early->late = true;
         pthread_cond_signal(&early->changed);
     }
-    const bool goes_on = mcv_progress_report(&early->line, fraction, seconds, error);
+    const bool drafts = compiles && early->has_thread;
     pthread_mutex_unlock(&early->lock);
-    return goes_on;
+    return drafts;
 }
 
-/* An mcv_picture_told. */
-static void show(void *user, const mcv_image *picture, uint32_t stride) {
-    mcv_early *early = user;
+void mcv_early_show(mcv_early *early, const mcv_image *picture, uint32_t stride) {
     pthread_mutex_lock(&early->lock);
     early->late = true;
     write_preview(early, picture, stride,
@@ -151,20 +150,16 @@ static void show(void *user, const mcv_image *picture, uint32_t stride) {
     pthread_mutex_unlock(&early->lock);
 }
 
-void mcv_early_begin(mcv_early *early, const mcv_scene *scene, uint32_t sensor,
-                     const mcv_render_files *files, const char *label,
-                     mcv_render_options *options) {
+void mcv_early_begin(mcv_early *early, const mcv_scene *scene, uint32_t sensor, const char *path,
+                     const char *unit, const mcv_render_options *options) {
     *early = (mcv_early){.scene = scene,
                          .sensor = sensor,
-                         .files = files,
+                         .path = path,
+                         .unit = unit,
                          .options = options,
-                         .begun = mcv_seconds(),
-                         .line = mcv_progress_stderr(label, &mcv_interrupt)};
+                         .begun = mcv_seconds()};
     pthread_mutex_init(&early->lock, NULL);
     pthread_cond_init(&early->changed, NULL);
-    options->progress = report;
-    options->picture = show;
-    options->user = early;
 }
 
 void mcv_early_end(mcv_early *early) {
@@ -174,16 +169,15 @@ void mcv_early_end(mcv_early *early) {
     pthread_mutex_unlock(&early->lock);
     if (early->has_thread) pthread_join(early->thread, NULL);
     early->has_thread = false;
-    mcv_progress_end(&early->line);
 }
 
 void mcv_early_withdraw(mcv_early *early) {
     mcv_error ignored;
     if (!early->written) return;
     if (early->older)
-        mcv_output_whole(early->files->png, early->older, early->older_size, &ignored);
+        mcv_output_whole(early->path, early->older, early->older_size, &ignored);
     else
-        unlink(early->files->png);
+        unlink(early->path);
     early->written = false;
 }
 
