@@ -76,10 +76,9 @@ drive_options drive_defaults(uint32_t schedule) {
 }
 
 /*
- * All that has no cost where it is not met. Precision, whether pupils aim, paths
- * split, roulette is early, light paths are traced and emitters are weighed at each surface is a
- * choice, not an element; an environment's image and emitters there must be to look for; in glass
- * that disperses a path follows one channel only.
+ * The features of all elements. Left out are choices of a technique (precision, pupil guiding,
+ * splitting, early roulette, light paths, emitter selection), an environment's image, which must
+ * exist to be sampled, and dispersion, with which a path keeps one channel.
  */
 static uint32_t all_features(const mcv_packed *packed) {
     const uint32_t not_elements = 1u << MCV_FEATURE_AIM | 1u << MCV_FEATURE_LIGHT_TRACING |
@@ -87,7 +86,7 @@ static uint32_t all_features(const mcv_packed *packed) {
                                   1u << MCV_FEATURE_DISPERSION | 1u << MCV_FEATURE_REACH |
                                   1u << MCV_FEATURE_SPLIT | 1u << MCV_FEATURE_EARLY_ROULETTE |
                                   1u << MCV_FEATURE_MIXED;
-    uint32_t features = ((1u << MCV_FEATURE_COUNT) - 1) & ~not_elements;
+    uint32_t features = MCV_ALL_FEATURES & ~not_elements;
     if (packed->emitter_count == 0)
         features &= ~(1u << MCV_FEATURE_NEXT_EVENT | 1u << MCV_FEATURE_RECTANGLE);
     return features | packed->features;
@@ -123,7 +122,7 @@ static mcv_result add_buffers(mcv_cl *cl, mcv_device_scene *device, mcv_error *e
     return result;
 }
 
-/* Builds the program again, with its clock, and makes room for what it tells. */
+/* Builds the program again, with its clock, and makes room for its readings. */
 static mcv_result add_clock(drive *d, const mcv_render_options *options, mcv_error *error) {
     char defines[1024];
     mcv_schedule *s = &d->schedule;

@@ -1,25 +1,25 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Time to an image of a given error against Mitsuba 3: bench_render [--quick] [--only TEXT]
- * [OUTPUT.json]. Where Mitsuba is not
- * (`./run deps peers`), it says so, and only `sampling_gain` and `adaptive_gain` are measured.
+ * [OUTPUT.json]. Without Mitsuba (`./run deps peers`) only `sampling_gain` and `adaptive_gain` are
+ * measured. docs/benchmarks.md has the method.
  *
- * Scenes that both describe (tests/common/peer_scenes.h, tests/peers/mitsuba_peer.py), three
+ * Both describe the same scenes (tests/common/peer_scenes.h, tests/peers/mitsuba_peer.py): three
  * channels, 32 surfaces a path, all cores, wall clock; scene loaded and kernels compiled before.
- * Mitsuba takes part with each variant, sampler and integrator that fits, of which the best counts:
- * for `samples_per_second` the fastest, for `time_to_rmse` the one that reaches the error first. A
- * sample of Mitsuba's is one path from the camera; in `paths_per_second` ours is, too, without the
- * light paths and branches that a usual sample has.
+ * Mitsuba takes part with each variant, sampler and integrator that fits; the best counts. For
+ * `samples_per_second` that is the fastest, for `time_to_rmse` the first to reach the error. A
+ * sample of Mitsuba's is one path from the camera. For `paths_per_second` ours is one too: without
+ * light paths and branches.
  *
- * Each renderer's truth is its own, of 64 times the samples and another seed, after
- * mcv_compare_films has found no difference between both; the truth's own variance is taken off the
- * mean squared error. The error that both are to reach is the geometric mean of both errors at the
- * same number of samples, and the time is that of the samples that the renderer's own power law
- * asks for, with what each image takes besides.
+ * Each renderer has its own truth, with 64 times the samples and another seed; mcv_compare_films
+ * must find no difference between the two. The truth's variance is subtracted from the mean squared
+ * error. The error to reach is the geometric mean of both errors at the same number of samples. The
+ * number of samples that reaches it follows from each renderer's own power law, and the time from
+ * that number and the time of an image without samples.
  *
- * `sampling_gain` has no peer: RMSE x √seconds of report-clean with random numbers, one way on from
- * each surface and without light paths, over that of a usual render; `adaptive_gain`: of
- * part-backlight (128 x 96 pixels, 64 samples of 4 replicates) without adaptive sampling, over that
+ * `sampling_gain` has no peer: RMSE x √seconds of report-clean with random numbers, without
+ * splitting and without light paths, over that of a usual render. `adaptive_gain` is the same of
+ * part-backlight (128 x 96 pixels, 64 samples of 4 replicates) without adaptive sampling over that
  * with it.
  */
 #include <math.h>
@@ -47,10 +47,10 @@ typedef enum group { PLAIN, OPTICS, OPENING, CONE, MESH, GROUPS } group;
 static const struct {
     const char *name, *integrator;
     group group;
-    bool is_seen_diffuse; /* light paths reach the camera from all that it sees: ptracer fits */
-    double lost;          /* the most of the light that rough metal sends on to itself, and Mitsuba
-                             loses: measured by mcv_microsurface walks where lamps are low */
-    uint32_t surfaces;    /* that a path may meet, where they are not SURFACES */
+    bool is_seen_diffuse; /* light paths connect all that the camera sees: ptracer fits */
+    double lost;          /* bound of the multiple scattering of rough metal, which Mitsuba leaves
+                             out: by mcv_microsurface walks where emitters are low */
+    uint32_t surfaces;    /* the depth limit, where it is not SURFACES */
 } scenes[] = {{"lens", "path", OPTICS, false, 0, 0},
               {"assembly", "path", PLAIN, false, 0, 0},
               {"satin conductor", "path", PLAIN, false, 0, 0},
@@ -110,7 +110,7 @@ static double exponent_of(const racer *x) {
     return fmin(fmax(log(x->rmse[POINTS - 2] / x->rmse[POINTS - 1]) / log(4), 0.5), 1);
 }
 
-/* Of so many times all samples: what each image takes, and what each sample does. */
+/* The seconds of so many times all samples: those of an image and those of its samples. */
 static double seconds_of(const racer *x, double samples) {
     const double all = x->seconds[POINTS - 1],
                  slope = fmin(fmax((all - x->seconds[POINTS - 2]) / 0.75, 0), all);
@@ -157,8 +157,8 @@ static void send_out(const bench *b, racer *racers, const bench_side *sides, siz
         }
 }
 
-/* A first look at all samples, after which those that are too slow go out, with a row of their own.
- * Last all samples again, whose times the sides keep. */
+/* Measures all samples once and drops the racers that are too slow, with a row of their own. Then
+ * measures all samples again; the sides keep these times. */
 static mcv_result measure_all(bench *b, racer *racers, bench_side *sides, size_t count,
                               mcv_error *error) {
     bench look = *b;
@@ -404,17 +404,17 @@ static double share_lost(const char *name) {
 }
 
 /*
- * Mitsuba starts rays (1 + |p|) 1500 roundings off surfaces, so that its light is not the same at
- * each scale: the assembly's mean is 0.046979, 0.046997 and 0.047064 at 1, 1/10 and 1/50 of its
- * size (each ± 0.000002), which without an offset, by a line, would be 0.046974 to 0.046975: ours.
- * That bends its means at most so much, twice what was found at size 1.
+ * Mitsuba starts rays (1 + |p|) 1500 roundings off surfaces, so that its image depends on the
+ * scale: the assembly's mean is 0.046979, 0.046997 and 0.047064 at 1, 1/10 and 1/50 of its size
+ * (each ± 0.000002). A line through these gives 0.046974 to 0.046975 without an offset: ours. This
+ * is twice the deviation at size 1.
  */
 static const double OFFSETS = 2e-4;
 
 /*
- * Whether both pictures are the same: by their noise, or by their means but for what offsets bring,
- * and where microfacets are rough, which give the light back that they send on to each other here
- * and lose it there, as if all light had met such a surface once.
+ * Whether both pictures are the same: within their noise, or their means within the effect of the
+ * offsets and of multiple scattering between microfacets, which Mitsuba loses. The bound of the
+ * latter takes all light to have met such a surface once.
  */
 static mcv_result compare_truths(bench *b, int scene, const mcv_film truths[2], bool *agree,
                                  mcv_error *error) {

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What it brings to compile only what a scene needs: bench_specialise [--quick] [OUTPUT.json].
+ * The gain from compiling only what a scene needs: bench_specialise [--quick] [OUTPUT.json].
  *
- * Each scene that ships against the program with all elements and three channels (the peer):
- * seconds of a launch, bytes of a path's state, seconds to build and first launch the program with
- * PoCL's cache empty (cold) and filled (warm). And the seconds from the start of a process to the
- * first sample of the report's scene, cold and warm: each in a process of its own with a cache
- * folder of its own.
+ * Each scene that ships is compared with the program that has all elements and three channels (the
+ * peer): seconds of a launch, bytes of a path's state, seconds to build and first launch the
+ * program with PoCL's cache empty (cold) and filled (warm). The seconds from the start of a process
+ * to the first sample of the report's scene are measured too, each in a process and a cache folder
+ * of its own.
  */
 #include <math.h>
 #include <stdlib.h>

@@ -43,7 +43,7 @@ static void field_words(const mcv_packed *packed, uint32_t words[FIELD_COUNT]) {
 #undef MCV_CHANNELS
 }
 
-/* What each stage reads and writes of a path (the heads of kernels/<stage>.cl). */
+/* What each stage reads and writes of a path (the heads of the files in kernels/stage). */
 static const int traffic[STAGE_COUNT][16] = {
     [STAGE_generate_rays] = {FIELD_origin, FIELD_direction, FIELD_weight, FIELD_throughput,
                              FIELD_radiance, FIELD_media, FIELD_density, FIELD_origin_surface},

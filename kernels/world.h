@@ -7,6 +7,7 @@
 #define MCVISI_KERNELS_WORLD_H
 
 #include "mcvisi/buffers.h"
+#include "mcvisi/contact_grid.h"
 #include "mcvisi/elements.h"
 #include "mcvisi/features.h"
 #include "mcvisi/tables.h"

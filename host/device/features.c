@@ -117,6 +117,7 @@ static void find_of_material(finding *f, const mcv_material *m) {
         {MCV_FEATURE_SHEET, plate},
         {MCV_FEATURE_MIRROR, m->type == MCV_MATERIAL_MIRROR},
         {MCV_FEATURE_GLOSS, mcv_material_is_rough(m) || m->type == MCV_MATERIAL_CONDUCTOR},
+        {MCV_FEATURE_ANISOTROPY, mcv_material_roughness(m).anisotropy > 0},
         {MCV_FEATURE_REFLECTOR, mcv_material_is_scatterer(m->type)},
         {MCV_FEATURE_TEXTURE, texture},
     };

@@ -73,6 +73,7 @@ struct mcv_sweep {
     mcv_plan plan;
     mcv_measurement measurement;
     mcv_table table;
+    const char *unit;       /* of the values of the pictures that are measured; "" for ratios */
     char fingerprint[32];   /* of the scene and the files that it names */
     bool *done;             /* sets that have a row */
     double stage_seconds;   /* of all renders, on the device */

@@ -7,7 +7,6 @@
 #include "experiment/run_set.h"
 #include "io/embedded.h"
 #include "io/html.h"
-#include "scene/sensor_find.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -16,13 +15,6 @@
 
 /* --- numbers and names --- */
 
-/* The unit of the values of the pictures that are measured. */
-static const char *unit_of_values(const mcv_sweep *s, const mcv_scene *scene, uint32_t sensor) {
-    if (s->experiment->measuring.in_gradient || !scene) return "";
-    if (mcv_camera_wanted(&s->experiment->measuring.camera)) return "DN";
-    return mcv_sensor_measures_irradiance(scene->sensors + sensor) ? "W/m²" : "W/(m² sr)";
-}
-
 static double largest_of(const mcv_table *table, size_t metric) {
     const double *extremes[2];
     const size_t at = mcv_row_metric(table, metric);
@@ -30,7 +22,7 @@ static double largest_of(const mcv_table *table, size_t metric) {
     return extremes[0] ? fmax(fabs(extremes[0][at]), fabs(extremes[1][at])) : 0;
 }
 
-static void name_columns(mcv_page *page, const char *values) {
+static void name_columns(mcv_page *page) {
     const mcv_plan *plan = &page->sweep->plan;
     const mcv_measurement *m = &page->sweep->measurement;
     for (size_t i = 0; i < plan->varied; ++i) {
@@ -42,7 +34,7 @@ static void name_columns(mcv_page *page, const char *values) {
     }
     for (size_t i = 0; i < m->count; ++i) {
         mcv_page_name *name = page->metric_names + i;
-        page->metrics[i] = mcv_unit_of_metric(m->metrics[i].expression, values,
+        page->metrics[i] = mcv_unit_of_metric(m->metrics[i].expression, page->sweep->unit,
                                               largest_of(&page->sweep->table, i));
         mcv_name_with_unit(m->metrics[i].name, page->metrics + i, name->words, sizeof name->words);
         page->names[i] = name->words;
@@ -151,7 +143,7 @@ static bool put_page(FILE *out, mcv_page *page) {
     uint32_t sensor = 0;
     size_t shown;
     mcv_scene *scene = load_shown(page, &sensor, &shown);
-    name_columns(page, unit_of_values(s, scene, sensor));
+    name_columns(page);
     bool written = make_numbers(page);
     if (written) {
         put_head(out, page);

@@ -8,7 +8,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-enum { LEGEND = 8 }; /* values of the second parameter that are told one by one */
+enum { LEGEND = 8 }; /* values of the second parameter that have a curve each */
 
 double mcv_plots_uncertainty(const mcv_plots *p, size_t metric, size_t row) {
     const double u = mcv_plots_row(p, row)[p->parameter_count + 2 * metric + 1];

@@ -31,7 +31,7 @@ static void print_all(FILE *out) {
     for (uint32_t type = 0; type < MCV_SENSOR_COUNT; ++type) {
         const bool disk = type == MCV_SENSOR_THIN_LENS ||
                           type == MCV_SENSOR_TELECENTRIC; /* pupil guiding needs a round pupil */
-        const uint32_t all = (1u << MCV_FEATURE_COUNT) - 1;
+        const uint32_t all = MCV_ALL_FEATURES;
         print_defines(out, disk ? all : all & ~(1u << MCV_FEATURE_AIM), 3, type);
     }
 }

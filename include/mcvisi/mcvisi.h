@@ -112,7 +112,7 @@ MCV_API const char *mcv_version(void);
 MCV_API void mcv_text_free(char *text);
 
 /* The JSON schema (draft 4) of the options of a verb: "render", "new", "check", "trace", "compare",
- * "camera", "measure", "sweep", "lightfield", "import". MCV_USAGE for others. */
+ * "camera", "camera-model", "measure", "sweep", "lightfield", "import". MCV_USAGE for others. */
 MCV_API mcv_result mcv_options_schema(const char *verb, char **schema, mcv_error *error);
 
 /*
@@ -274,14 +274,32 @@ MCV_API mcv_result mcv_session_trace(mcv_session *session, const mcv_rig *rig, c
  * Renders and measures many sets of parameters: options are those of `mcvisi sweep`. With "output"
  * the table, the experiment and the page are written beside each other; without, only the rows are
  * told: each set as it is measured, as {"set": n, "sets": all, "parameters": {name: value},
- * "metrics": {name: {"value", "uncertainty"}}, "samples", "error", "seconds", "message": why the
- * set failed, or null}; notes before the first set; and about ten times a second, while a set is
- * rendered, NULL. *report: the summary of `mcvisi sweep --json`. MCV_INTERRUPTED where told returns
- * false: rows so far stay in the table. MCV_FAILED, with a report, where all sets failed.
+ * "metrics": {name: {"value", "uncertainty", "unit"}}, "samples", "error", "seconds", "message":
+ * why the set failed, or null}; notes before the first set; and about ten times a second, while a
+ * set is rendered, NULL. *report: the summary of `mcvisi sweep --json`. MCV_INTERRUPTED where told
+ * returns false: rows so far stay in the table. MCV_FAILED, with a report, where all sets failed.
  */
 MCV_API mcv_result mcv_session_sweep(mcv_session *session, const mcv_rig *rig, const char *options,
                                      mcv_told_call *told, void *user, char **report,
                                      mcv_error *error);
+
+/* --- camera models --- */
+
+/*
+ * The camera model of a sensor in a format that other programs read: options are those of `mcvisi
+ * camera-model` without "import". *text: what the file holds; may be NULL with "output".
+ * MCV_BAD_INPUT for a camera that the format cannot hold.
+ */
+MCV_API mcv_result mcv_rig_camera_model(const mcv_rig *rig, const char *options, char **text,
+                                        mcv_error *error);
+
+/*
+ * Adds the camera of such a file, a sensor and its node with the pose. Options are those of `mcvisi
+ * camera-model`, without "output". *report: {"sensor", "model", "size", …}. MCV_BAD_INPUT for
+ * distortion other than 0, which sensors do not have.
+ */
+MCV_API mcv_result mcv_rig_add_camera(mcv_rig *rig, const char *file, const char *options,
+                                      char **report, mcv_error *error);
 
 /* --- pictures --- */
 

@@ -23,7 +23,7 @@ typedef struct mcv_onward {
 } mcv_onward;
 
 MCV_FUNCTION mcv_vec3 mcv_onward_low(const mcv_onward *onward, mcv_dvec whole, mcv_vec3 v) {
-    return onward->precise ? mcv_rest(whole, v) : mcv_vec(0.0f, 0.0f, 0.0f);
+    return onward->precise ? mcv_low_of(whole, v) : mcv_vec(0.0f, 0.0f, 0.0f);
 }
 
 MCV_FUNCTION mcv_precise_ray mcv_precise_ray_of(mcv_vec3 origin, mcv_vec3 origin_low,

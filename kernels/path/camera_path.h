@@ -20,7 +20,7 @@
 
 /* Whether the origins of the rays that go on are worked out for many paths at once, after all else.
  */
-#define MCV_OFFSETS_TOGETHER (MCV_TILE && !MCV_WITH_CONTACT && !MCV_WITH_MIXED)
+#define MCV_OFFSETS_TOGETHER (MCV_TILE && !MCV_WITH_MIXED)
 
 /* A sample's path splits at the first surfaces of glass, sheets and beam splitters that it meets,
  * so that it has at most so many branches: a power of two. */
@@ -66,7 +66,9 @@
 #define MCV_HIT_FIELDS(X) \
     X(hit, 4)                              /* t, u, v, triangle */ \
     X(drawn, 6 * MCV_TILE)                 /* the surface's pairs of random numbers */ \
-    X(reflectance, MCV_CHANNELS *MCV_TILE) /* of a plain diffuse surface */ \
+    X(reflectance, MCV_CHANNELS *MCV_TILE) /* of a diffuse surface; base colour of a glossy one */ \
+    X(polish, 2 * MCV_TILE * MCV_WITH_GLOSS * MCV_WITH_TEXTURE) /* of a glossy one: what an image \
+                                                     makes of its roughness and metallic share */ \
     X(bounce, 4 * MCV_TILE) /* the direction in which the surface reflects if it is diffuse, and \
                                its density */ \
     X(point, 3 * MCV_TILE)  /* of the surface, as in mcv_surface */ \
@@ -78,6 +80,11 @@
     X(inside, MCV_TILE)                /* and how the ray sees it, as in mcv_interaction */ \
     X(face, 3 * MCV_TILE) \
     X(normal, 3 * MCV_TILE) \
+    X(contact, 3 * MCV_TILE * MCV_WITH_CONTACT) /* what is in the same place, as in */ \
+    X(beyond_point, \
+      3 * MCV_TILE * MCV_WITH_CONTACT) /* mcv_interaction: exited, entered, touched */ \
+    X(beyond_error, 3 * MCV_TILE * MCV_WITH_CONTACT) \
+    X(touched_face, 3 * MCV_TILE * MCV_WITH_CONTACT) \
     X(gloss_known, MCV_TILE *MCV_WITH_GLOSS)
 
 #define MCV_CAMERA_HIT_FIELDS(X) \
@@ -109,8 +116,8 @@
     X(light_class, MCV_LIGHT_ROWS)              /* MCV_LIGHT_… */ \
     X(light_length, MCV_LIGHT_ROWS)             /* so far [m] */
 
-/* Whether light paths lie in rows. Where beams come to the lens by themselves, colours part or
- * surfaces touch, they are traced one by one. */
+/* Whether light paths lie in rows. Where beams come to the lens by themselves or colours part, they
+ * are traced one by one. */
 #define MCV_LIGHT_ROWS \
     (MCV_OFFSETS_TOGETHER && MCV_WITH_LIGHT_TRACING && MCV_WITH_NEXT_EVENT && !MCV_WITH_BEAM && \
      !MCV_WITH_DISPERSION)

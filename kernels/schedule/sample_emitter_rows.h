@@ -188,13 +188,12 @@ MCV_BATCH void mcv_sort_by_emitter(const uint *emitters, uint first, uint last, 
 }
 
 /* What comes to the paths in the slots first … last - 1 from the emitters that they look for:
- * together, unless these are so many that few paths look for the same one, or surfaces in the same
- * place move where shadow rays begin. */
+ * together, unless these are so many that few paths look for the same one. */
 MCV_BATCH void mcv_sample_emitter_rows(mcv_world world, mcv_slot slot, uint first, uint last) {
     const uint *emitters = slot.base + MCV_PATH_emitter * MCV_ROW;
     const uint count = world.frame->emitter_count;
     uint begins[MCV_MOST_SORTED + 1], sorted[MCV_ROW];
-    if (MCV_WITH_CONTACT || count > MCV_MOST_SORTED) {
+    if (count > MCV_MOST_SORTED) {
         for (slot.index = first; slot.index < last; ++slot.index)
             if (emitters[slot.index] != MCV_NONE) mcv_sample_emitter_alone(world, slot);
         return;

@@ -148,16 +148,17 @@ MCV_LOOP_FUNCTION mcv_response mcv_respond_as(mcv_world world, mcv_slot slot,
                                               const mcv_interaction *interaction,
                                               mcv_shading shading, mcv_vec3 direction) {
     const uint media = mcv_path_media(slot);
-#if MCV_WITH_PLAIN
+#if MCV_WITH_PLAIN && MCV_WITH_DIFFUSE
     if (shading.kind == MCV_SHADING_DIFFUSE) {
         mcv_color reflectance;
         MCV_LOAD_COLOR(slot, reflectance, reflectance);
         return mcv_respond_diffuse(interaction, reflectance, media, direction);
     }
-#if MCV_WITH_GLOSS
+#endif
+#if MCV_WITH_PLAIN && MCV_WITH_GLOSS
     if (shading.kind == MCV_SHADING_GLOSS) {
         const mcv_gloss_interaction m =
-            mcv_make_plain_gloss_interaction(world, interaction, shading, media);
+            mcv_make_plain_gloss_interaction(world, slot, interaction, shading, media);
         mcv_response response =
             mcv_respond_gloss_of(world, interaction, shading.gloss, &m, direction);
         /* Where it has not chosen an emitter any number will do. */
@@ -168,7 +169,6 @@ MCV_LOOP_FUNCTION mcv_response mcv_respond_as(mcv_world world, mcv_slot slot,
         MCV_EACH_CHANNEL(c) response.value.c[c] = dropped ? 0.0f : response.value.c[c];
         return response;
     }
-#endif
 #endif
     (void)shading;
     return mcv_respond(world, *interaction, media, direction);

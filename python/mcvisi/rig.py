@@ -23,6 +23,7 @@ from mcvisi.library import (
     new_pointer,
     path_bytes,
     take_text,
+    text_of,
     utf8,
 )
 from mcvisi.options import Path, options_json
@@ -323,6 +324,19 @@ class Rig(RigVerbs, Handle):
             stop.set()
             raise
 
+    def _camera_model(self, options: Mapping[str, Any]) -> Mapping[str, Any]:
+        found: Mapping[str, Any] = json.loads(self._export_camera(options))
+        return found
+
+    def _export_camera(self, options: Mapping[str, Any]) -> str:
+        return text_of("mcv_rig_camera_model", self._snapshot(), options_json(options))
+
+    def _import_camera(self, path: Path, options: Mapping[str, Any]) -> Mapping[str, Any]:
+        name, words = path_bytes(path, "path"), options_json(options)
+        with self._lock:
+            found: Mapping[str, Any] = json_of("mcv_rig_add_camera", self._get(), name, words)
+        return found
+
     def _trace(
         self, rays: Any, session: Optional[Session], options: Mapping[str, Any]
     ) -> Dict[str, Any]:
@@ -350,10 +364,12 @@ class Rig(RigVerbs, Handle):
             )
         return _columns(take_text(table))
 
-    def _sweep(self, vary: Any, session: Optional[Session], options: Mapping[str, Any]) -> "Sweep":
+    def _sweep(
+        self, vary: Any, progress: Any, session: Optional[Session], options: Mapping[str, Any]
+    ) -> "Sweep":
         from mcvisi.sweep import Sweep
 
-        return Sweep(self, session_of(session), vary, options)
+        return Sweep(self, session_of(session), vary, progress, options)
 
 
 def _few(names: List[str]) -> str:

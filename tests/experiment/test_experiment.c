@@ -288,9 +288,9 @@ static void test_page(void **state) {
     page_has("<td>100<td>1.000(88)");
     page_has("<td>125<td>1.250(88)");
     page_has("<td>400<td>4.000(88)");
-    page_has("mean [W/(m² sr)]");
+    page_has("mean [W/(m^2 sr)]");
     page_has("The best set is <a href=\"#s0\">0</a>: imageDistance 100 cm");
-    page_has("1.000(88) W/(m² sr), the smallest of 3 sets");
+    page_has("1.000(88) W/(m^2 sr), the smallest of 3 sets");
     /* 0.25 is 2.0 of √2 0.088; 3 is far more. */
     page_has("difference is set <a href=\"#s1\">1</a>.");
     page_has("<tr id=\"s0\" class=\"best\">");
