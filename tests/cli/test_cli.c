@@ -1596,10 +1596,11 @@ static void test_first_signal_saves(void **state) {
  * what it was before: absent, or that of an earlier image. */
 static void test_failed_render_withdraws_its_preview(void **state) {
     (void)state;
-    /* OpenCL's compiler writes files of 1.1 MB; an image of noise with its error is 1.6 MB. */
+    /* OpenCL's compiler writes files of 1.4 MB; an image of noise in four parts is 3.2 MB. */
     static const char command[] =
-        "trap '' XFSZ; ulimit -f 2600; '" MCV_BINARY_DIR "/mcvisi' render '" MCV_SOURCE_DIR
-        "/scenes/scratch.gltf' -o s.exr --resolution 500x400 --replicates 2 --error 0.9 "
+        "trap '' XFSZ; ulimit -f 5000; '" MCV_BINARY_DIR "/mcvisi' render '" MCV_SOURCE_DIR
+        "/scenes/scratch.gltf' -o s.exr --resolution 500x400 --replicates 2 --parts replicates "
+        "--error 0.9 "
         "> failed.txt 2>&1";
     run_well("render " MCV_SOURCE_DIR "/scenes/scratch.gltf -o s.exr --resolution 24x16 --spp 4");
     for (int older = 1; older >= 0; --older) {
@@ -1616,6 +1617,7 @@ static void test_failed_render_withdraws_its_preview(void **state) {
         const int status = system(command);
         if (!WIFEXITED(status) || WEXITSTATUS(status) != 1)
             fail_msg("exit code %d instead of 1; see failed.txt", WEXITSTATUS(status));
+        assert_int_equal(system("grep -q 's.exr: writing failed' failed.txt"), 0);
         assert_int_equal(stat("s.png", &after), older ? 0 : -1);
         if (older) {
             /* It was replaced, and put back. */
