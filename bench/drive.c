@@ -209,22 +209,42 @@ mcv_result drive_run(void *user, mcv_error *error) {
     return mcv_cl_read(d->cl, d->schedule.sums, 0, d->sum_count * sizeof *d->sums, d->sums, error);
 }
 
-/* Each stage's share of the ticks of all slices, of the seconds that the launch took. */
-static mcv_result clock_seconds(drive *d, double seconds[STAGE_COUNT], mcv_error *error) {
-    const size_t slices = (d->frame.path_count + d->schedule.slice - 1) / d->schedule.slice;
-    const size_t count = slices * STAGE_COUNT;
+static size_t tick_count(const drive *d) {
+    return (d->frame.path_count + d->schedule.slice - 1) / d->schedule.slice * STAGE_COUNT;
+}
+
+mcv_result drive_least_ticks(drive *d, cl_uint **least, mcv_error *error) {
+    const size_t count = tick_count(d), before = count / STAGE_COUNT * MCV_COUNTER_COUNT;
     cl_uint *ticks = malloc(count * sizeof *ticks);
     if (!ticks) return mcv_fail(error, MCV_FAILED, "no memory for the ticks");
-    const mcv_result result =
-        mcv_cl_read(d->cl, d->schedule.counters, sizeof *ticks * slices * MCV_COUNTER_COUNT,
-                    count * sizeof *ticks, ticks, error);
+    const mcv_result result = mcv_cl_read(d->cl, d->schedule.counters, sizeof *ticks * before,
+                                          count * sizeof *ticks, ticks, error);
+    for (size_t i = 0; *least && i < count; ++i)
+        if (ticks[i] < (*least)[i]) (*least)[i] = ticks[i];
+    if (*least)
+        free(ticks);
+    else
+        *least = ticks;
+    return result;
+}
+
+void drive_shares_of_ticks(const drive *d, const cl_uint *ticks, double shares[STAGE_COUNT]) {
     double total = 0;
-    for (size_t i = 0; result == MCV_OK && i < count; ++i) {
-        seconds[i % STAGE_COUNT] += ticks[i];
+    for (int k = 0; k < STAGE_COUNT; ++k) shares[k] = 0;
+    for (size_t i = 0; i < tick_count(d); ++i) {
+        shares[i % STAGE_COUNT] += ticks[i];
         total += ticks[i];
     }
-    for (int i = 0; i < STAGE_COUNT && total > 0; ++i)
-        seconds[i] *= d->stats.stages[0].seconds / total;
+    for (int k = 0; k < STAGE_COUNT && total > 0; ++k) shares[k] /= total;
+}
+
+/* Each stage's share of the ticks of the last run, of the seconds that the launch took. */
+static mcv_result clock_seconds(drive *d, double seconds[STAGE_COUNT], mcv_error *error) {
+    cl_uint *ticks = NULL;
+    const mcv_result result = drive_least_ticks(d, &ticks, error);
+    if (result == MCV_OK) drive_shares_of_ticks(d, ticks, seconds);
+    for (int i = 0; i < STAGE_COUNT && result == MCV_OK; ++i)
+        seconds[i] *= d->stats.stages[0].seconds;
     free(ticks);
     return result;
 }

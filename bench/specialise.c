@@ -159,7 +159,7 @@ static mcv_result bench_launches(bench *b, const char *name, const mcv_scene *sc
     if (result == MCV_OK) result = drive_run(&own, error);
     if (result == MCV_OK) result = drive_run(&all, error);
     if (result == MCV_OK) result = check_sums(name, &own, &all, error);
-    bench_side sides[] = {{drive_run, &own, {{{0}}}}, {drive_run, &all, {{{0}}}}};
+    bench_side sides[] = {{drive_run, &own, {{{0}}}, 0}, {drive_run, &all, {{{0}}}, 0}};
     if (result == MCV_OK) result = bench_time(b, sides, 2, error);
     if (result == MCV_OK) {
         const mcv_packed *mine = &own.device.packed, *theirs = &all.device.packed;

@@ -57,44 +57,38 @@
     X(value, MCV_TILE)        /* of the path in its slice */ \
     X(density, MCV_WITH_NEXT_EVENT) /* with which the last surface chose the direction [1/sr]; 0: \
                                        it is smooth */ \
-    X(selection, \
-      2 * MCV_WITH_NEXT_EVENT * MCV_WITH_REACH) /* emitters' chances at the last surface that \
-                                                   scattered light (kernels/light/selection.h) */ \
-    X(path_class, MCV_WITH_LIGHT_TRACING)       /* MCV_PATH_CLASS_… */ \
+    X(selection, 2 * MCV_WITH_NEXT_EVENT * MCV_WITH_REACH) /* emitters' chances where light was \
+                                                 last scattered (kernels/light/selection.h) */ \
+    X(path_class, MCV_WITH_LIGHT_TRACING)                  /* MCV_PATH_CLASS_… */ \
     X(footprint, MCV_WITH_LIGHT_TRACING) /* of the pixel at the first diffuse surface [m²] */
 
 #define MCV_HIT_FIELDS(X) \
     X(hit, 4)                              /* t, u, v, triangle */ \
     X(drawn, 6 * MCV_TILE)                 /* the surface's pairs of random numbers */ \
     X(reflectance, MCV_CHANNELS *MCV_TILE) /* of a diffuse surface; base colour of a glossy one */ \
-    X(polish, 2 * MCV_TILE * MCV_WITH_GLOSS * MCV_WITH_TEXTURE) /* of a glossy one: what an image \
-                                                     makes of its roughness and metallic share */ \
-    X(bounce, 4 * MCV_TILE) /* the direction in which the surface reflects if it is diffuse, and \
-                               its density */ \
+    X(polish, 2 * MCV_TILE * MCV_WITH_GLOSS * MCV_WITH_TEXTURE) /* roughness, metallic share */ \
+    X(bounce, 4 * MCV_TILE) /* a diffuse reflection's direction and density */ \
     X(point, 3 * MCV_TILE)  /* of the surface, as in mcv_surface */ \
     X(error, 3 * MCV_TILE) \
     X(area, MCV_TILE) \
     X(instance, MCV_TILE) \
-    X(own_normal, \
-      3 * MCV_TILE * MCV_WITH_NORMALS) /* the surface's; the face's where meshes have no others */ \
-    X(inside, MCV_TILE)                /* and how the ray sees it, as in mcv_interaction */ \
+    X(own_normal, 3 * MCV_TILE * MCV_WITH_NORMALS) /* interpolated; the face's without normals */ \
+    X(inside, MCV_TILE) /* and how the ray sees it, as in mcv_interaction */ \
     X(face, 3 * MCV_TILE) \
     X(normal, 3 * MCV_TILE) \
-    X(contact, 3 * MCV_TILE * MCV_WITH_CONTACT) /* what is in the same place, as in */ \
-    X(beyond_point, \
-      3 * MCV_TILE * MCV_WITH_CONTACT) /* mcv_interaction: exited, entered, touched */ \
+    X(contact, 3 * MCV_TILE * MCV_WITH_CONTACT) /* mcv_interaction: exited, entered, touched */ \
+    X(beyond_point, 3 * MCV_TILE * MCV_WITH_CONTACT) \
     X(beyond_error, 3 * MCV_TILE * MCV_WITH_CONTACT) \
     X(touched_face, 3 * MCV_TILE * MCV_WITH_CONTACT) \
     X(gloss_known, MCV_TILE *MCV_WITH_GLOSS)
 
 #define MCV_CAMERA_HIT_FIELDS(X) \
-    X(branch_state, (5 + MCV_CHANNELS) * MCV_TILE * \
-                        MCV_WITH_SPLIT) /* direction, media, density and throughput of a branch */ \
+    X(branch_state, (5 + MCV_CHANNELS) * MCV_TILE * MCV_WITH_SPLIT) /* of a branch: direction, \
+                                                         media, density, throughput */ \
     X(emitter, MCV_TILE *MCV_WITH_NEXT_EVENT) /* that the path samples, or MCV_NONE */ \
-    X(place, 4 * MCV_TILE * MCV_WITH_NEXT_EVENT * \
-                 MCV_WITH_TEXTURE) /* a point on it: triangle, u, v, density of its choice */ \
-    X(selection_here, 2 * MCV_WITH_NEXT_EVENT * MCV_WITH_REACH) /* at this surface */ \
-    X(shadow_origin, 3 * MCV_WITH_NEXT_EVENT)                   /* ray to the emitter */ \
+    X(place, 4 * MCV_TILE * MCV_WITH_NEXT_EVENT * MCV_WITH_TEXTURE) /* triangle, u, v, density */ \
+    X(selection_here, 2 * MCV_WITH_NEXT_EVENT * MCV_WITH_REACH)     /* at this surface */ \
+    X(shadow_origin, 3 * MCV_WITH_NEXT_EVENT)                       /* ray to the emitter */ \
     X(shadow_direction, 3 * MCV_WITH_NEXT_EVENT) \
     X(shadow_origin_surface, MCV_WITH_NEXT_EVENT *MCV_WITH_SURFACES) \
     X(shadow_density, MCV_TILE *MCV_WITH_NEXT_EVENT)   /* as in mcv_shadow */ \
