@@ -213,7 +213,7 @@ static mcv_result write_pictures(const bench *b, const char *name, const mcv_fil
     const uint32_t size = films->width * ZOOM, width = PICTURES * size + (PICTURES - 1) * GAP;
     char path[sizeof b->stem + 64];
     mcv_image truth = {0}, page;
-    mcv_preview preview;
+    mcv_preview preview = {0};
     MCV_TRY(mcv_image_new(&page, width, size, 3, error));
     mcv_result result = mcv_film_develop(films + PICTURES - 1, &truth, NULL, error);
     if (result == MCV_OK) {

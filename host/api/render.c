@@ -20,25 +20,36 @@ static mcv_result make_picture(const mcv_rendering *r, mcv_picture **picture, mc
     return mcv_picture_of(&exr, r->rig->path[0] ? r->rig->path : "the picture", picture, error);
 }
 
-void mcv_rendering_tell(mcv_rendering *r, double fraction, double error, bool writing) {
+static void tell_caller(mcv_rendering *r, double fraction, double error, bool writing,
+                        bool drafts) {
     const mcv_progress progress = {.size = sizeof progress,
                                    .fraction = fraction,
                                    .seconds = mcv_seconds() - r->begun,
                                    .error = error,
                                    .render = r,
                                    .sensor = r->sensor,
-                                   .writing = writing};
+                                   .writing = writing,
+                                   .preview = drafts ? r->early->path : NULL};
     if (!r->call) return;
     mcv_border_leave(r->host);
     if (!r->call(r->user, &progress)) r->stopped = true;
     r->host = mcv_border_enter();
 }
 
+void mcv_rendering_tell(mcv_rendering *r, double fraction, double error, bool writing) {
+    tell_caller(r, fraction, error, writing, false);
+}
+
 static bool tell(void *user, double fraction, double seconds, double error) {
     mcv_rendering *r = user;
     (void)seconds;
-    mcv_rendering_tell(r, fraction, error, false);
+    tell_caller(r, fraction, error, false, r->early && mcv_early_progress(r->early, fraction));
     return !r->stopped;
+}
+
+static void show(void *user, const mcv_image *picture, uint32_t stride) {
+    const mcv_rendering *r = user;
+    mcv_early_show(r->early, picture, stride);
 }
 
 mcv_result mcv_progress_picture(const mcv_progress *progress, mcv_picture **picture,
@@ -66,9 +77,10 @@ mcv_summary mcv_rendering_summary(const mcv_rendering *r, double seconds_load) {
                          .stats = *rendered->stats,
                          .seconds_load = seconds_load,
                          .seconds_write = NAN,
+                         .seconds_first_picture = NAN,
                          .error = mcv_film_relative_error(film),
                          .mean = mcv_film_mean(film),
-                         .preview = {NAN, NAN}};
+                         .preview = {.white = NAN, .saturated = NAN}};
 }
 
 /* What a render gives, once the film is done. */
@@ -92,7 +104,8 @@ mcv_result mcv_rendering_run(mcv_rendering *r, mcv_session *session, const mcv_c
     mcv_renderer *renderer = NULL;
     if (reference)
         options->sampler = MCV_SAMPLER_RANDOM; /* it has no other, and the header says so */
-    options->progress = r->call ? tell : NULL;
+    options->progress = r->call || r->early ? tell : NULL;
+    options->picture = r->early ? show : NULL;
     options->user = r;
     if (!reference) MCV_TRY(mcv_session_renderer(session, command->device, &renderer, error));
     r->rendered.scene = scene;

@@ -57,7 +57,8 @@ static mcv_result tell_findings(files_call *c, const mcv_scene *scene, mcv_error
                             : result;
 }
 
-static mcv_result write_files(files_call *c, const mcv_render_files *files, mcv_error *error) {
+static mcv_result write_files(files_call *c, const mcv_render_files *files, double first_picture,
+                              mcv_error *error) {
     const double begun = mcv_seconds();
     mcv_summary summary = mcv_rendering_summary(&c->rendering, c->seconds_load);
     char *text;
@@ -65,6 +66,8 @@ static mcv_result write_files(files_call *c, const mcv_render_files *files, mcv_
     summary.preview_path = files->png;
     MCV_TRY(mcv_render_files_write(files, &c->rendering.rendered, &summary.preview, error));
     summary.seconds_write = mcv_seconds() - begun;
+    summary.seconds_first_picture =
+        first_picture > 0 ? first_picture : mcv_seconds() - c->rendering.begun;
     MCV_TRY(c->command->json ? mcv_summary_json(&summary, &text, error)
                              : mcv_summary_text(&summary, &text, error));
     tell_text(c, text);
@@ -87,19 +90,26 @@ static mcv_result render_sensor(files_call *c, mcv_scene *scene, mcv_render_opti
     mcv_render_stats stats = {.stage_count = 0};
     mcv_film film = {0};
     mcv_rendering *r = &c->rendering;
+    mcv_early early;
     MCV_TRY(mcv_render_files_plan(c->command, scene, sensor, several, &files, error));
     r->begun = mcv_seconds();
     mcv_sensor_label(scene, sensor, r->sensor, sizeof r->sensor);
     mcv_rendering_tell(r, 0, INFINITY, false);
+    mcv_early_begin(&early, scene, sensor, files.png, mcv_rendered_unit(scene, sensor), &options);
+    r->early = &early;
     mcv_result result =
         mcv_rendering_run(r, c->session, c->command, scene, sensor, &options, &film, &stats, error);
+    r->early = NULL;
+    mcv_early_end(&early);
     if (result == MCV_OK && film.samples == 0)
         result = mcv_fail(error, MCV_INTERRUPTED, "%s: interrupted before its first sample",
                           scene->path);
     if (result == MCV_OK) {
         mcv_rendering_tell(r, 1, mcv_film_relative_error(&film), true);
-        result = write_files(c, &files, error);
+        result = write_files(c, &files, early.seconds, error);
     }
+    if (result != MCV_OK) mcv_early_withdraw(&early);
+    mcv_early_free(&early);
     if (result == MCV_OK && files.grey[0]) result = expose(c, &files, error);
     r->rendered = (mcv_rendered){
         .set = r->rendered.set, .hash = r->rendered.hash, .replicates = r->rendered.replicates};

@@ -3,6 +3,7 @@
 #ifndef MCVISI_HOST_API_RENDERING_H
 #define MCVISI_HOST_API_RENDERING_H
 
+#include "api/early_preview.h"
 #include "api/handles.h"
 #include "report/summary.h"
 #include "verbs/render_picture.h"
@@ -17,6 +18,7 @@ typedef struct mcv_rendering {
     double begun;
     char sensor[128]; /* its label */
     bool stopped;     /* a callback has said so */
+    mcv_early *early; /* previews before the image, or NULL */
 } mcv_rendering;
 
 /* All that was set: in the rig, and for this render. The caller frees the items. */

@@ -60,7 +60,9 @@ bool mcv_progress_report(mcv_progress_line *line, double fraction, double second
     if (isfinite(error) && error > 0)
         snprintf(reached, sizeof reached, ", error %.2g %%", 100 * error);
     if (isnan(fraction))
-        width = snprintf(text, sizeof text, "%s: compiling kernels", line->label);
+        width = snprintf(text, sizeof text, "%s: compiling kernels%s%s", line->label,
+                         line->picture ? "; a coarse preview comes in " : "",
+                         line->picture ? line->picture : "");
     else
         width = snprintf(text, sizeof text, "%s: %3.0f %%%s, %s%s", line->label,
                          100 * fmin(fraction, 1), reached, spent, left);

@@ -13,7 +13,8 @@
 typedef struct mcv_progress_line {
     FILE *stream;
     bool terminal;
-    const char *label; /* what is rendered, such as the sensor's name */
+    const char *label;   /* what is rendered, such as the sensor's name */
+    const char *picture; /* of a preview that comes while kernels compile; NULL: none does */
     const volatile sig_atomic_t
         *stop;       /* a signal handler's flag: not 0 stops the render; may be NULL */
     double reported; /* seconds of the last line; negative: none yet */

@@ -34,6 +34,7 @@ static bool on_progress(void *user, const mcv_progress *progress) {
         s->open = true;
         return mcv_interrupt == 0;
     }
+    s->line.picture = progress->preview;
     return mcv_progress_report(&s->line, progress->fraction, progress->seconds, progress->error);
 }
 

@@ -70,12 +70,19 @@ static void encode(target *t, const uint8_t *bytes, uint32_t width, uint32_t hei
     png_destroy_write_struct(&png, &info);
 }
 
-/* `level`: the preview's, whose values are sRGB; NULL: values as they are. */
+/* `level`: the preview's, whose values are sRGB; NULL: values as they are. `early`: as in
+ * mcv_preview. */
 static mcv_result write_file(const char *path, const uint8_t *bytes, const mcv_image *image,
-                             int bits, char *level, mcv_error *error) {
-    char level_key[] = "White level", model_key[] = MCV_CAMERA_MODEL_KEY;
-    png_text texts[2];
+                             int bits, char *level, const char *early, mcv_error *error) {
+    char level_key[] = "White level", model_key[] = MCV_CAMERA_MODEL_KEY, early_key[] = "Preview";
+    char early_text[160];
+    png_text texts[3];
     int count = 0;
+    if (early) {
+        snprintf(early_text, sizeof early_text, "%s", early);
+        texts[count++] = (png_text){
+            .compression = PNG_TEXT_COMPRESSION_NONE, .key = early_key, .text = early_text};
+    }
     if (level)
         texts[count++] =
             (png_text){.compression = PNG_TEXT_COMPRESSION_NONE, .key = level_key, .text = level};
@@ -143,6 +150,19 @@ uint8_t mcv_srgb_of(double value) {
     return (uint8_t)(255 * encoded + 0.5);
 }
 
+/* Bytes of a larger picture, in which each pixel is repeated; NULL without memory. */
+static uint8_t *enlarge(const uint8_t *bytes, const mcv_image *from, const mcv_preview *preview) {
+    const uint32_t channels = from->channels, width = preview->size[0], height = preview->size[1];
+    uint8_t *large = malloc((size_t)width * height * channels), *to = large;
+    for (uint32_t y = 0; large && y < height; ++y)
+        for (uint32_t x = 0; x < width; ++x, to += channels)
+            memcpy(to,
+                   bytes + ((size_t)(y / preview->repeat) * from->width + x / preview->repeat) *
+                               channels,
+                   channels);
+    return large;
+}
+
 mcv_result mcv_png_write_preview(const char *path, const mcv_image *image, const char *unit,
                                  mcv_preview *preview, mcv_error *error) {
     if (image->channels != 1 && image->channels != 3) {
@@ -175,7 +195,21 @@ mcv_result mcv_png_write_preview(const char *path, const mcv_image *image, const
 
     char level[128];
     snprintf(level, sizeof level, "%.9g %s", preview->white, unit);
-    const mcv_result result = write_file(path, bytes, image, 8, level, error);
+    mcv_image shown = *image;
+    uint8_t *large = NULL;
+    if (preview->repeat > 1) {
+        large = enlarge(bytes, image, preview);
+        shown.width = preview->size[0];
+        shown.height = preview->size[1];
+        if (!large) {
+            free(bytes);
+            return mcv_fail(error, MCV_FAILED, "%s: no memory for a preview of %u x %u pixels",
+                            path, shown.width, shown.height);
+        }
+    }
+    const mcv_result result =
+        write_file(path, large ? large : bytes, &shown, 8, level, preview->early, error);
+    free(large);
     free(bytes);
     return result;
 }
@@ -196,7 +230,7 @@ mcv_result mcv_png_write_values(const char *path, const mcv_image *image, int bi
                         "%s: %u x %u grey values: it is empty, or there is no memory for it", path,
                         image->width, image->height);
     }
-    const mcv_result result = write_file(path, bytes, image, bits, NULL, error);
+    const mcv_result result = write_file(path, bytes, image, bits, NULL, NULL, error);
     free(bytes);
     return result;
 }

@@ -7,10 +7,14 @@
 
 #include <stdbool.h>
 
-/* How a preview maps values to grey: `white` is the value shown as white, `saturated` the share of
- * pixels with a channel above it. */
+/* How a preview maps values to grey. */
 typedef struct mcv_preview {
-    double white, saturated;
+    double white;      /* the value shown as white */
+    double saturated;  /* the share of pixels with a channel above it */
+    const char *early; /* what it was made of before the image was done, written as the text
+                          "Preview"; NULL: the image's own preview */
+    uint32_t repeat;  /* 0 or 1: as it is; n: the file has n x n pixels for each of the image … */
+    uint32_t size[2]; /* … as far as this */
 } mcv_preview;
 
 /*
@@ -26,8 +30,8 @@ uint8_t mcv_srgb_of(double share);
 /*
  * Writes an image of 1 or 3 channels as 8-bit grey or RGB: value / white clipped to [0, 1] and sRGB
  * encoded (IEC 61966-2-1). NaN is black, +∞ white. preview->white > 0 is used as given; otherwise
- * mcv_preview_white chooses, and both fields are set. The level is written as the text "White
- * level", with its unit ("W/(m^2 sr)").
+ * mcv_preview_white chooses, and both fields are set. The level is
+ * written as the text "White level", with its unit ("W/(m^2 sr)").
  */
 mcv_result mcv_png_write_preview(const char *path, const mcv_image *image, const char *unit,
                                  mcv_preview *preview, mcv_error *error);

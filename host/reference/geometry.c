@@ -91,13 +91,15 @@ static bool traverse(const ref_geometry *geometry, const ray *r, const ref_skip 
     closest->distance = INFINITY;
     closest->triangle = NULL;
     if (!geometry->nodes) return false;
-    uint32_t stack[STACK_SIZE];
+    struct {
+        uint32_t node;
+        double enter; /* where the ray enters its box */
+    } stack[STACK_SIZE];
     int top = 0;
-    double enter;
-    stack[top++] = 0;
+    if (meets_box(r, geometry->nodes, INFINITY, &stack[0].enter)) stack[top++].node = 0;
     while (top > 0) {
-        const ref_node *node = &geometry->nodes[stack[--top]];
-        if (!meets_box(r, node, closest->distance, &enter)) continue;
+        const ref_node *node = &geometry->nodes[stack[--top].node];
+        if (stack[top].enter > closest->distance) continue;
         if (node->count == 0) {
             double near[2] = {INFINITY, INFINITY};
             bool met[2];
@@ -105,8 +107,12 @@ static bool traverse(const ref_geometry *geometry, const ray *r, const ref_skip 
                 met[i] = meets_box(r, &geometry->nodes[node->first + (uint32_t)i],
                                    closest->distance, &near[i]);
             const uint32_t nearer = near[1] < near[0];
-            if (met[1 - nearer]) stack[top++] = node->first + 1 - nearer;
-            if (met[nearer]) stack[top++] = node->first + nearer;
+            for (uint32_t k = 0; k < 2; ++k) {
+                const uint32_t child = k == 0 ? 1 - nearer : nearer;
+                if (!met[child]) continue;
+                stack[top].node = node->first + child;
+                stack[top++].enter = near[child];
+            }
             continue;
         }
         for (uint32_t i = node->first; i < node->first + node->count; ++i) {

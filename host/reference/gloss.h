@@ -40,8 +40,13 @@ typedef struct ref_gloss_tables {
     ref_gloss_table *items;
 } ref_gloss_tables;
 
-/* For the materials of all instances. Fails only without memory. */
-mcv_result ref_gloss_tables_new(const mcv_scene *scene, ref_gloss_tables *tables, mcv_error *error);
+/*
+ * For the materials of all instances. Fails only without memory. A draft takes a sixteenth of the
+ * time or less: its integrals have fewer steps, and Kulla and Conty's compensation stands for the
+ * tables of multiple scattering.
+ */
+mcv_result ref_gloss_tables_new(const mcv_scene *scene, bool draft, ref_gloss_tables *tables,
+                                mcv_error *error);
 void ref_gloss_tables_free(ref_gloss_tables *tables);
 
 /* The material at a point. */

@@ -10,7 +10,7 @@
 #include "mcvisi/materials/microfacet.h"
 #include "reference/gloss_microfacet.h"
 
-enum { COSINES = 100, AZIMUTHS = 25, ROUGHNESSES = 33, NORMALS = 64 };
+enum { COSINES = 100, AZIMUTHS = 25, ROUGHNESSES = 33, NORMALS = 64, DRAFT_NORMALS = 16 };
 
 /* Interfaces that scatter less than this are smooth (docs/limitations.md). */
 static const double least_spread = 1e-5;
@@ -63,22 +63,23 @@ void ref_orders_at(const float *orders, int n, double roughness, ref_vec o, ref_
  * What leaves of the light from o, over all microfacet normals: D(h) h_z dh is uniform in the
  * azimuth and in u = tan²θ/(α² + tan²θ). The tail u -> 1 has facets that stand upright, seen far
  * larger than they lie: u = 1 - (1 - v)^4 tames it. Reflection: all of it, and (1 - c)^5 of it.
- * Interface (from > 0): what is reflected and refracted together.
+ * Interface (from > 0): what is reflected and refracted together. `normals` is the number of steps
+ * of each of the two integrals.
  */
 static void integrate(const double alpha[2], ref_vec o, double from, double to, double coating,
-                      double sums[2]) {
+                      int normals, double sums[2]) {
     const double own = ref_lambda(alpha, o);
     sums[0] = sums[1] = 0;
-    for (int a = 0; a < NORMALS; ++a) {
-        const double phi = 2 * M_PI * (a + 0.5) / NORMALS;
-        for (int b = 0; b < NORMALS; ++b) {
-            const double v = (b + 0.5) / NORMALS, left = (1 - v) * (1 - v),
+    for (int a = 0; a < normals; ++a) {
+        const double phi = 2 * M_PI * (a + 0.5) / normals;
+        for (int b = 0; b < normals; ++b) {
+            const double v = (b + 0.5) / normals, left = (1 - v) * (1 - v),
                          slope = sqrt((1 - left * left) / (left * left));
             const ref_vec h =
                 ref_unit((ref_vec){alpha[0] * slope * cos(phi), alpha[1] * slope * sin(phi), 1});
             const double c = ref_dot(o, h);
             if (!(c > 0)) continue;
-            const double seen = 4 * (1 - v) * left * c / (o.z * h.z) / (NORMALS * NORMALS);
+            const double seen = 4 * (1 - v) * left * c / (o.z * h.z) / (normals * normals);
             const ref_vec r = ref_reflected(o, h);
             const double kept = r.z > 0 ? seen * ref_masking(own, ref_lambda(alpha, r), false) : 0;
             if (!(from > 0)) {
@@ -128,7 +129,8 @@ void ref_albedos_mean(const ref_albedos *albedos, double roughness, double pair[
                   (place - low) * albedos->means[2 * second + k];
 }
 
-static bool albedos_new(ref_albedos *albedos, const mcv_material *material, double outside) {
+static bool albedos_new(ref_albedos *albedos, const mcv_material *material, double outside,
+                        int normals) {
     const mcv_roughness roughness = mcv_material_roughness(material);
     albedos->azimuths = roughness.anisotropy > 0 ? AZIMUTHS : 1;
     albedos->roughnesses = mcv_material_surface_texture(material) != MCV_NONE ? ROUGHNESSES : 1;
@@ -150,13 +152,13 @@ static bool albedos_new(ref_albedos *albedos, const mcv_material *material, doub
                     double both[2];
                     const double coating = mcv_material_coating(material, outside);
                     integrate(alpha, o, outside, material->as.dielectric.ior[MCV_ALBEDO_CHANNEL],
-                              coating, both);
+                              coating, normals, both);
                     pair[0] = fmin(both[0], 1);
                     integrate(alpha, o, material->as.dielectric.ior[MCV_ALBEDO_CHANNEL], outside,
-                              coating, both);
+                              coating, normals, both);
                     pair[1] = fmin(both[0], 1);
                 } else {
-                    integrate(alpha, o, 0, 0, 0, pair);
+                    integrate(alpha, o, 0, 0, 0, normals, pair);
                 }
             }
     }
@@ -211,7 +213,7 @@ static bool orders_new(const mcv_material *material, double outside, float **ord
 }
 
 static bool add_table(ref_gloss_tables *tables, const mcv_scene *scene, uint32_t material,
-                      double outside) {
+                      double outside, bool draft) {
     const mcv_material *from = &scene->materials[material];
     for (uint32_t i = 0; i < tables->count; ++i)
         if (tables->items[i].material == material && tables->items[i].outside == outside)
@@ -221,8 +223,8 @@ static bool add_table(ref_gloss_tables *tables, const mcv_scene *scene, uint32_t
     tables->items = items;
     ref_gloss_table *table = &items[tables->count++];
     *table = (ref_gloss_table){.material = material, .outside = outside};
-    if (!orders_new(from, outside, &table->orders) || !albedos_new(&table->albedos, from, outside))
-        return false;
+    if (!draft && !orders_new(from, outside, &table->orders)) return false;
+    if (!albedos_new(&table->albedos, from, outside, draft ? DRAFT_NORMALS : NORMALS)) return false;
     for (int channel = 0; from->type == MCV_MATERIAL_CONDUCTOR && channel < 3; ++channel) {
         enum { STEPS = 2000 };
         const double escape = table->albedos.means[0];
@@ -238,7 +240,7 @@ static bool add_table(ref_gloss_tables *tables, const mcv_scene *scene, uint32_t
     return true;
 }
 
-mcv_result ref_gloss_tables_new(const mcv_scene *scene, ref_gloss_tables *tables,
+mcv_result ref_gloss_tables_new(const mcv_scene *scene, bool draft, ref_gloss_tables *tables,
                                 mcv_error *error) {
     *tables = (ref_gloss_tables){0};
     bool made = true;
@@ -247,16 +249,17 @@ mcv_result ref_gloss_tables_new(const mcv_scene *scene, ref_gloss_tables *tables
         const mcv_material *from = &scene->materials[material];
         if (!mcv_material_is_rough(from)) continue;
         if (from->type != MCV_MATERIAL_DIELECTRIC) {
-            made = add_table(tables, scene, material, 0);
+            made = add_table(tables, scene, material, 0, draft);
             continue;
         }
-        made = add_table(tables, scene, material, 1);
+        made = add_table(tables, scene, material, 1, draft);
         for (uint32_t j = 0; j < scene->instance_count && made; ++j) {
             const mcv_material *other = &scene->materials[scene->instances[j].material];
             if (mcv_material_has_medium(other->type) &&
                 other->as.medium.ior[MCV_ALBEDO_CHANNEL] !=
                     from->as.dielectric.ior[MCV_ALBEDO_CHANNEL])
-                made = add_table(tables, scene, material, other->as.medium.ior[MCV_ALBEDO_CHANNEL]);
+                made = add_table(tables, scene, material, other->as.medium.ior[MCV_ALBEDO_CHANNEL],
+                                 draft);
         }
     }
     return made ? MCV_OK

@@ -20,12 +20,21 @@ typedef struct pass {
     const mcv_sensor *sensor;
     const mcv_render_options *options;
     const mcv_film *film; /* only its sizes are used */
+    uint32_t stride;      /* a pixel of the film is as many of the sensor, in each direction */
+    uint32_t size[2];     /* the sensor's pixels */
     double *sums;         /* laid out as the film's */
     ref_tally *rows;
     uint64_t first, count;
     atomic_uint next;
     atomic_bool stopped;
 } pass;
+
+/* The sensor's column or row that a sample of the film's takes: one of `stride`, at random. */
+static uint32_t place_in(uint32_t at, uint32_t stride, uint32_t size, ref_random *random) {
+    if (stride == 1) return at;
+    const uint32_t place = (uint32_t)(((double)at + ref_random_unit(random)) * stride);
+    return place < size ? place : size - 1;
+}
 
 /* Adds the samples of a power-of-two range over the film's binary tree. */
 static void sum_samples(const pass *r, uint32_t column, uint32_t row, uint32_t replicate,
@@ -41,8 +50,9 @@ static void sum_samples(const pass *r, uint32_t column, uint32_t row, uint32_t r
                                          replicate, first);
     double place[4];
     for (int i = 0; i < 4; ++i) place[i] = ref_random_unit(&random);
-    const ref_sensor_ray sensor_ray =
-        ref_sensor_ray_sample(r->sensor, column, row, place[0], place[1], place[2], place[3]);
+    const ref_sensor_ray sensor_ray = ref_sensor_ray_sample(
+        r->sensor, place_in(column, r->stride, r->size[0], &random),
+        place_in(row, r->stride, r->size[1], &random), place[0], place[1], place[2], place[3]);
     ref_path_value(r->world, &sensor_ray, &random, tally, sum);
     /* Values that an image of floats cannot represent count as not finite. */
     if (!(fmax(fabs(sum[0]), fmax(fabs(sum[1]), fabs(sum[2]))) <= FLT_MAX) ||
@@ -165,17 +175,28 @@ static void render_rounds(pass *r, mcv_film *film, pthread_t *threads, double st
     stats->interrupted = atomic_load(&r->stopped);
 }
 
-mcv_result ref_render(const mcv_scene *scene, uint32_t sensor, const mcv_render_options *options,
-                      bool sample_emitters, mcv_film *film, mcv_render_stats *stats,
-                      mcv_error *error) {
+/* How exact, and how soon: a draft has coarse tables, and stride x stride pixels in one. */
+typedef struct manner {
+    bool sample_emitters, draft;
+    uint32_t stride;
+} manner;
+
+static mcv_result render(const mcv_scene *scene, uint32_t sensor, const mcv_render_options *options,
+                         manner how, mcv_film *film, mcv_render_stats *stats, mcv_error *error) {
     const double start = mcv_seconds();
     *film = (mcv_film){0};
     *stats = (mcv_render_stats){.device = "reference (double precision)"};
     MCV_TRY(mcv_render_check_options(scene, sensor, options, false, error));
-    ref_world world = {.scene = scene, .depth = options->depth, .sample_emitters = sample_emitters};
-    pass r = {.world = &world, .sensor = &scene->sensors[sensor], .options = options, .film = film};
-    uint32_t width, height;
-    mcv_sensor_film_size(r.sensor, &width, &height);
+    ref_world world = {
+        .scene = scene, .depth = options->depth, .sample_emitters = how.sample_emitters};
+    pass r = {.world = &world,
+              .sensor = &scene->sensors[sensor],
+              .options = options,
+              .film = film,
+              .stride = how.stride};
+    mcv_sensor_film_size(r.sensor, &r.size[0], &r.size[1]);
+    const uint32_t width = (r.size[0] + how.stride - 1) / how.stride,
+                   height = (r.size[1] + how.stride - 1) / how.stride;
     MCV_TRY(
         mcv_film_new(film, width, height, mcv_scene_channels(scene), options->replicates, error));
 
@@ -190,7 +211,7 @@ mcv_result ref_render(const mcv_scene *scene, uint32_t sensor, const mcv_render_
                           width, height);
     if (result == MCV_OK) result = ref_geometry_new(scene, &world.geometry, error);
     if (result == MCV_OK) result = ref_emitters_new(scene, &world.emitters, error);
-    if (result == MCV_OK) result = ref_gloss_tables_new(scene, &world.gloss, error);
+    if (result == MCV_OK) result = ref_gloss_tables_new(scene, how.draft, &world.gloss, error);
     if (result == MCV_OK) {
         const double lens[3] = {r.sensor->to_world.m[9], r.sensor->to_world.m[10],
                                 r.sensor->to_world.m[11]};
@@ -210,6 +231,19 @@ mcv_result ref_render(const mcv_scene *scene, uint32_t sensor, const mcv_render_
     free(winding);
     free(threads);
     return result;
+}
+
+mcv_result ref_render(const mcv_scene *scene, uint32_t sensor, const mcv_render_options *options,
+                      bool sample_emitters, mcv_film *film, mcv_render_stats *stats,
+                      mcv_error *error) {
+    return render(scene, sensor, options, (manner){sample_emitters, false, 1}, film, stats, error);
+}
+
+mcv_result mcv_reference_draft(const mcv_scene *scene, uint32_t sensor,
+                               const mcv_render_options *options, uint32_t stride, mcv_film *film,
+                               mcv_error *error) {
+    mcv_render_stats stats;
+    return render(scene, sensor, options, (manner){true, true, stride}, film, &stats, error);
 }
 
 mcv_result mcv_reference_render(const mcv_scene *scene, uint32_t sensor,

@@ -18,6 +18,17 @@
 mcv_result mcv_reference_render(const mcv_scene *scene, uint32_t sensor,
                                 const mcv_render_options *options, mcv_film *film,
                                 mcv_render_stats *stats, mcv_error *error);
+
+/*
+ * A picture for the eye, soon: one pixel of the film stands for stride x stride (1 or more) of the
+ * sensor, of which each sample takes one at random. Rough materials scatter by coarse tables
+ * (reference/gloss.h). All the rest is as in mcv_reference_render, values that are not finite
+ * excepted: they count as 0.
+ */
+mcv_result mcv_reference_draft(const mcv_scene *scene, uint32_t sensor,
+                               const mcv_render_options *options, uint32_t stride, mcv_film *film,
+                               mcv_error *error);
+
 mcv_result mcv_reference_trace(const mcv_scene *scene, const mcv_trace_ray *rays, size_t ray_count,
                                const mcv_render_options *options, mcv_vertex **vertices,
                                size_t *vertex_count, mcv_error *error);

@@ -45,6 +45,13 @@ static double expected_samples(const mcv_renderer *r, double error) {
     return expected;
 }
 
+mcv_result mcv_upload_list(mcv_renderer *r, size_t count) {
+    r->frame.listed = 1;
+    mcv_cl_release(&r->scene.listed);
+    return mcv_cl_buffer(&r->cl, "the list of pixels", count * sizeof *r->listed, r->listed,
+                         &r->scene.listed, r->error);
+}
+
 mcv_result mcv_list_pixels(mcv_renderer *r, uint32_t stride) {
     const mcv_film *film = r->film;
     const size_t count = (size_t)film->width * film->height;
@@ -65,10 +72,7 @@ mcv_result mcv_list_pixels(mcv_renderer *r, uint32_t stride) {
         if (listed > first)
             r->classes[r->class_count++] = (mcv_pixel_class){level, first, listed - first};
     }
-    r->frame.listed = 1;
-    mcv_cl_release(&r->scene.listed);
-    return mcv_cl_buffer(&r->cl, "the list of pixels", count * sizeof *r->listed, r->listed,
-                         &r->scene.listed, r->error);
+    return mcv_upload_list(r, count);
 }
 
 void mcv_unlist_pixels(mcv_renderer *r) {

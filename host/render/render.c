@@ -213,6 +213,7 @@ static mcv_result render(mcv_renderer *r, const mcv_scene *scene, uint32_t senso
                         height);
     MCV_TRY(open_renderer(r, scene, sensor));
     mcv_unlist_pixels(r);
+    MCV_TRY(mcv_show_early(r));
     const double begun = mcv_seconds();
     const mcv_result result = render_rounds(r);
     r->stats->seconds_render = mcv_seconds() - begun;

@@ -27,6 +27,9 @@ enum { MCV_PRECISION_SINGLE, MCV_PRECISION_MIXED, MCV_PRECISION_DOUBLE };
  */
 typedef bool mcv_pass_told(void *user, double fraction, double seconds, double error);
 
+/* Takes a coarse picture of radiances for the eye: one pixel for stride x stride of the film. */
+typedef void mcv_picture_told(void *user, const mcv_image *picture, uint32_t stride);
+
 typedef bool mcv_enough(void *user, const mcv_film *film);
 
 /* When noisier pixels get more samples: if that takes fewer of them by a tenth for an error; or
@@ -53,6 +56,8 @@ typedef struct mcv_render_options {
     uint32_t slice;       /* paths per slice of the tile schedule, a multiple of 64; 0: default */
     const char *device;   /* NULL: the first; see mcv_cl_open */
     mcv_pass_told *progress;
+    mcv_picture_told *picture; /* called once, before the first round of a render that will not be
+                                  done in a moment; may be NULL */
     mcv_enough *enough; /* called after each round from the fourth sample of each replicate on: true
                            ends the render; may be NULL */
     void *user;

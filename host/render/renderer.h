@@ -73,6 +73,13 @@ mcv_result mcv_render_pass(mcv_renderer *r, uint64_t first, uint64_t count, doub
  * are launched without them. */
 mcv_result mcv_render_light(mcv_renderer *r, uint64_t pixels, uint64_t first, uint64_t count);
 
+/* early_picture.c */
+
+/* Gives options->picture a coarse picture, which takes a hundredth of the render or less; nothing
+ * of a render that will be done in a moment. Its samples do not enter the image, nor the
+ * statistics. */
+mcv_result mcv_show_early(mcv_renderer *r);
+
 /* light_pilot.c */
 
 /*
@@ -94,6 +101,9 @@ mcv_result mcv_allocate_light(mcv_renderer *r);
 /* Lists the pixels by their levels, all in one class where these are not known; of blocks of 8 x 8
  * pixels every stride-th. */
 mcv_result mcv_list_pixels(mcv_renderer *r, uint32_t stride);
+
+/* Gives the device the first `count` of r->listed, and frames their numbers. */
+mcv_result mcv_upload_list(mcv_renderer *r, size_t count);
 
 /* All pixels in their order, in one class. */
 void mcv_unlist_pixels(mcv_renderer *r);

@@ -37,10 +37,11 @@ static json_t *rays(const mcv_render_stats *stats) {
 }
 
 static json_t *seconds(const mcv_summary *s) {
-    return json_pack("{s:o, s:o, s:o, s:o, s:o, s:o}", "load", number(s->seconds_load), "build",
-                     number(s->stats.seconds_build), "compile", number(s->stats.seconds_compile),
-                     "first_sample", number(s->stats.seconds_first_sample), "render",
-                     number(s->stats.seconds_render), "write", number(s->seconds_write));
+    return json_pack(
+        "{s:o, s:o, s:o, s:o, s:o, s:o, s:o}", "load", number(s->seconds_load), "build",
+        number(s->stats.seconds_build), "compile", number(s->stats.seconds_compile), "first_sample",
+        number(s->stats.seconds_first_sample), "first_picture", number(s->seconds_first_picture),
+        "render", number(s->stats.seconds_render), "write", number(s->seconds_write));
 }
 
 static json_t *stages(const mcv_summary *s) {

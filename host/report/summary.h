@@ -18,7 +18,8 @@ typedef struct mcv_summary {
     bool adaptive;
     mcv_render_stats stats;
     double seconds_load, seconds_write;
-    double error, mean; /* mcv_film_relative_error, mcv_film_mean */
+    double seconds_first_picture; /* from the begin of the render to its first preview */
+    double error, mean;           /* mcv_film_relative_error, mcv_film_mean */
     mcv_preview preview;
 } mcv_summary;
 
@@ -26,8 +27,8 @@ typedef struct mcv_summary {
  * One JSON object on one line, without a newline at its end; *text is malloc'ed. Keys: scene,
  * sensor, image, preview, device, features[], width, height, channels, replicates, samples,
  * adaptive, rays{paths, path, shadow, depth_cut}, seconds{load, build, compile, first_sample,
- * render, write}, stages{name: seconds}, error, mean, white, saturated, lost_energy, nonfinite,
- * unmatched, interrupted.
+ * first_picture, render, write}, stages{name: seconds}, error, mean, white, saturated, lost_energy,
+ * nonfinite, unmatched, interrupted.
  */
 mcv_result mcv_summary_json(const mcv_summary *summary, char **text, mcv_error *error);
 

@@ -213,12 +213,14 @@ MCV_API mcv_result mcv_session_check(mcv_session *session, const mcv_rig *rig, c
 /* What a running render tells. `size` is that of the struct; new members are added at the end. */
 typedef struct mcv_progress {
     size_t size;
-    double fraction;    /* done, 0 … 1; NaN while the kernels are compiled */
-    double seconds;     /* since the call */
-    double error;       /* relative error so far; infinite while it is not known */
-    void *render;       /* for mcv_progress_picture */
-    const char *sensor; /* what is rendered */
-    bool writing;       /* the samples are done, its files are written next */
+    double fraction;     /* done, 0 … 1; NaN while the kernels are compiled */
+    double seconds;      /* since the call */
+    double error;        /* relative error so far; infinite while it is not known */
+    void *render;        /* for mcv_progress_picture */
+    const char *sensor;  /* what is rendered */
+    bool writing;        /* the samples are done, its files are written next */
+    const char *preview; /* while kernels are compiled: the file that soon holds a coarse preview;
+                            NULL: none does */
 } mcv_progress;
 
 /* Told after every pass of a render; false stops it. It runs in the thread of the render and may

@@ -23,6 +23,7 @@
 #include "analysis/noise.h"
 #include "area_samples.h"
 #include "io/exr.h"
+#include "core/output_file.h"
 #include "io/figure.h"
 #include "scene/camera_model.h"
 
@@ -1608,6 +1609,46 @@ static void test_first_signal_saves(void **state) {
     }
 }
 
+/* A preview comes before the image. Where the image then cannot be written, the preview's file is
+ * what it was before: absent, or that of an earlier image. */
+static void test_failed_render_withdraws_its_preview(void **state) {
+    (void)state;
+    /* OpenCL's compiler writes files of 1.4 MB; an image of noise in four parts is 3.2 MB. */
+    static const char command[] =
+        "trap '' XFSZ; ulimit -f 5000; '" MCV_BINARY_DIR "/mcvisi' render '" MCV_SOURCE_DIR
+        "/scenes/scratch.gltf' -o s.exr --resolution 500x400 --replicates 2 --parts replicates "
+        "--error 0.9 "
+        "> failed.txt 2>&1";
+    run_well("render " MCV_SOURCE_DIR "/scenes/scratch.gltf -o s.exr --resolution 24x16 --spp 4");
+    for (int older = 1; older >= 0; --older) {
+        struct stat before = {0}, after;
+        uint8_t *bytes[2] = {0};
+        size_t sizes[2];
+        mcv_error error = {""};
+        if (older) {
+            assert_int_equal(stat("s.png", &before), 0);
+            assert_int_equal(mcv_file_load("s.png", &bytes[0], &sizes[0], &error), MCV_OK);
+        } else {
+            assert_int_equal(unlink("s.png"), 0);
+        }
+        const int status = system(command);
+        if (!WIFEXITED(status) || WEXITSTATUS(status) != 1)
+            fail_msg("exit code %d instead of 1; see failed.txt", WEXITSTATUS(status));
+        assert_int_equal(system("grep -q 's.exr: writing failed' failed.txt"), 0);
+        assert_int_equal(stat("s.png", &after), older ? 0 : -1);
+        if (older) {
+            /* It was replaced, and put back. */
+            assert_true(before.st_ino != after.st_ino ||
+                        before.st_mtim.tv_nsec != after.st_mtim.tv_nsec);
+            assert_int_equal(mcv_file_load("s.png", &bytes[1], &sizes[1], &error), MCV_OK);
+            assert_int_equal(sizes[0], sizes[1]);
+            assert_memory_equal(bytes[0], bytes[1], sizes[0]);
+        }
+        free(bytes[0]);
+        free(bytes[1]);
+    }
+}
+
 static void test_second_signal_ends_at_once(void **state) {
     (void)state;
     write_scene("s.gltf", pinhole, panel_noisy);
@@ -1642,6 +1683,7 @@ int main(void) {
         TEST(test_sample_ranges),
         TEST(test_check),
         TEST(test_trace),
+        TEST(test_failed_render_withdraws_its_preview),
         TEST(test_first_signal_saves),
         TEST(test_second_signal_ends_at_once),
     };

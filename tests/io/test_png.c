@@ -17,7 +17,7 @@ typedef struct decoded {
     uint32_t width, height;
     int bits, colour;
     bool srgb;
-    char white[128];
+    char white[128], early[128];
     uint8_t bytes[4096];
 } decoded;
 
@@ -41,6 +41,8 @@ static decoded decode(void) {
     for (int i = 0; i < count; ++i) {
         if (strcmp(text[i].key, "White level") == 0)
             snprintf(d.white, sizeof d.white, "%s", text[i].text);
+        if (strcmp(text[i].key, "Preview") == 0)
+            snprintf(d.early, sizeof d.early, "%s", text[i].text);
     }
     const size_t stride = png_get_rowbytes(png, info);
     assert_true(stride * d.height <= sizeof d.bytes);
@@ -50,6 +52,25 @@ static decoded decode(void) {
     fclose(file);
     unlink(PATH);
     return d;
+}
+
+/* A coarse picture of the size of the image, that says what it is. */
+static void test_early_preview_is_enlarged(void **state) {
+    (void)state;
+    float pixels[] = {0, 1, 1, 0, /* red */ 0, 0, 1, 1, /* green */ 0, 1, 0, 1};
+    const mcv_image image = {.width = 2, .height = 2, .channels = 3, .pixels = pixels};
+    mcv_preview preview = {.white = 1, .early = "coarse", .repeat = 3, .size = {5, 4}};
+    mcv_error error;
+    assert_int_equal(mcv_png_write_preview(PATH, &image, "W/m^2", &preview, &error), MCV_OK);
+    const decoded d = decode();
+    assert_int_equal(d.width, 5);
+    assert_int_equal(d.height, 4);
+    assert_string_equal(d.early, "coarse");
+    for (int y = 0; y < 4; ++y)
+        for (int x = 0; x < 5; ++x)
+            for (int c = 0; c < 3; ++c)
+                assert_int_equal(d.bytes[3 * (5 * y + x) + c],
+                                 255 * (int)pixels[4 * c + 2 * (y / 3) + x / 3]);
 }
 
 static void test_grey_preview_is_srgb_with_its_white_level(void **state) {
@@ -70,6 +91,7 @@ static void test_grey_preview_is_srgb_with_its_white_level(void **state) {
     assert_int_equal(d.colour, PNG_COLOR_TYPE_GRAY);
     assert_true(d.srgb);
     assert_string_equal(d.white, "2 W/(m^2 sr)");
+    assert_string_equal(d.early, "");
     assert_memory_equal(d.bytes, expected, sizeof expected);
 }
 
@@ -164,6 +186,7 @@ static void test_failures_leave_no_file(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_early_preview_is_enlarged),
         cmocka_unit_test(test_grey_preview_is_srgb_with_its_white_level),
         cmocka_unit_test(test_colour_preview_interleaves_planes),
         cmocka_unit_test(test_white_level_is_the_quantile),

@@ -177,7 +177,7 @@ static void test_directions(void **state) {
         BUILD(mcv_scene_add_material(scene, &material, &builder_error));
         add_box(scene, (const double[]){1, 1, 1}, 0, mcv_transform_identity());
         ref_gloss_tables tables;
-        BUILD(ref_gloss_tables_new(scene, &tables, &builder_error));
+        BUILD(ref_gloss_tables_new(scene, false, &tables, &builder_error));
         const ref_gloss gloss = {.material = &scene->materials[0],
                                  .table = ref_gloss_find(&tables, scene, 0, 1),
                                  .roughness = 1,
