@@ -11,10 +11,10 @@ typedef struct row_place {
 } row_place;
 
 /*
- * The places by polynomials that are orthogonal on the rows, each with its coefficient (Forsythe
- * 1957). That of the second degree is the arc. The next six tell what deviations of such lengths
- * come from anything but an arc and the noise of independent pixels, as of a corner behind a blur:
- * where they are clearly larger than that noise, they are the arc's uncertainty.
+ * Fits the places by polynomials that are orthogonal on the rows (Forsythe 1957). The coefficient
+ * of the second degree is the arc. The next six estimate deviations of such lengths from other
+ * causes than an arc and the noise of independent pixels, such as a blurred corner. Where they are
+ * clearly larger than that noise, they are the arc's uncertainty.
  */
 static void find_sagitta(row_place *rows, size_t n, mcv_quantity *sagitta) {
     enum { ARC = 2, LAST = 8 };

@@ -161,9 +161,10 @@ static double mean_of(const double *values, uint32_t from, uint32_t to) {
 }
 
 /*
- * Which pixels of the profile the two edges are in. A tilted edge's profile is a ramp without a
- * steepest place: between the profile's strongest rise and fall the middle third tells one plateau,
- * the outer halves the other, and a step of the same light the place. False where there is no room.
+ * The pixels of the profile in which the two edges are. A tilted edge's profile is a ramp without a
+ * steepest place. Between the profile's strongest rise and fall, the middle third gives one
+ * plateau, the outer halves give the other. The edge is where a step between them would have the
+ * same light. False where there is no room.
  */
 static bool find_middles(const double *profile, uint32_t length, uint32_t middles[2]) {
     double most[2] = {0, 0};

@@ -33,6 +33,7 @@ void mcv_packed_free(mcv_packed *packed) {
     free(packed->gloss);
     free(packed->albedos);
     free(packed->albedo_sources);
+    free(packed->contact_grid);
     free(packed->emitters);
     free(packed->emitter_cdf);
     free(packed->textures);
@@ -160,6 +161,7 @@ static mcv_result pack_all(const mcv_scene *scene, const mcv_packed *earlier, mc
     if (packed->gloss) MCV_TRY(mcv_pack_gloss(scene, earlier, packed, error));
     if (packed->solids) mcv_pack_solids(scene, packed);
     MCV_TRY(mcv_pack_media(scene, earlier, packed, error));
+    MCV_TRY(mcv_pack_contacts(scene, packed, error));
     MCV_TRY(mcv_pack_emitters(scene, packed, error));
     packed->features = mcv_decide_features(scene, packed, NULL, usual, NULL);
     MCV_TRY(mcv_pack_light(scene, packed, packed->emitter_cdf + packed->light_cdf, error));

@@ -6,6 +6,7 @@
 #ifndef MCVISI_HOST_DEVICE_PACK_H
 #define MCVISI_HOST_DEVICE_PACK_H
 
+#include "mcvisi/contact_grid.h"
 #include "mcvisi/features.h"
 #include "mcvisi/precise.h"
 #include "mcvisi/tables.h"
@@ -54,6 +55,7 @@ typedef struct mcv_packed {
     mcv_device_medium media[3][MCV_MAX_MEDIA + 1]; /* by channel */
     mcv_device_interface interfaces[3][(MCV_MAX_MEDIA + 1) * (MCV_MAX_MEDIA + 1)];
     uint32_t interface_albedos[(MCV_MAX_MEDIA + 1) * (MCV_MAX_MEDIA + 1)];
+    mcv_contact_grid *contact_grid; /* NULL where no bodies may touch */
     mcv_device_emitter *emitters;
     uint32_t *emitter_cdf; /* the first emitter_count + 1 entries choose an emitter; then those of
                               each emitter's triangles; then the choice of light paths */
@@ -117,6 +119,6 @@ bool mcv_is_sampled(const mcv_emitter *emitter);
 /* The placement of the sensor: from the optical frame to the re-centred world, and its rounding
  * error. */
 void mcv_pack_placement(const mcv_packed *packed, const mcv_transform *to_world,
-                        float placement[12], float rest[12]);
+                        float placement[12], float low[12]);
 
 #endif

@@ -132,19 +132,18 @@ void mcv_pack_textures(const mcv_scene *scene, mcv_packed *packed) {
  * known. */
 uint32_t mcv_shading_of(const mcv_packed *packed, const mcv_device_instance *instance) {
     const mcv_device_material *m = &packed->materials[instance->material];
-    const mcv_device_gloss *gloss = packed->gloss ? &packed->gloss[instance->material] : NULL;
     const mcv_device_emitter *e =
         instance->emitter == MCV_NONE ? NULL : packed->emitters + instance->emitter;
     if (m->type == MCV_MATERIAL_ABSORBER && !e) return MCV_SHADING_BLACK;
     if (m->type == MCV_MATERIAL_ABSORBER && packed->emitter_count <= MCV_MOST_LAMPS &&
         e->texture == MCV_NONE && (e->type == MCV_EMITTER_AREA || e->type == MCV_EMITTER_PARALLEL))
         return MCV_SHADING_BLACK + 1 + instance->emitter;
-    if (m->texture != MCV_NONE || e) return MCV_SHADING_ANY;
-    if (m->type == MCV_MATERIAL_DIFFUSE) return MCV_SHADING_DIFFUSE;
-    if (m->type == MCV_MATERIAL_DIELECTRIC && !m->scattering_sides) return MCV_SHADING_SMOOTH;
-    if (!gloss || !m->scattering_sides || mcv_material_is_scatterer(m->type))
-        return MCV_SHADING_ANY;
-    return gloss->azimuths == 1 && gloss->roughnesses == 1 && gloss->texture == MCV_NONE
+    if (e) return MCV_SHADING_ANY;
+    if (m->type == MCV_MATERIAL_DIFFUSE)
+        return m->scattering_sides == 1 ? MCV_SHADING_DIFFUSE : MCV_SHADING_ANY;
+    if (m->type == MCV_MATERIAL_DIELECTRIC && !m->scattering_sides)
+        return m->texture == MCV_NONE ? MCV_SHADING_SMOOTH : MCV_SHADING_ANY;
+    return packed->gloss && m->scattering_sides && !mcv_material_is_scatterer(m->type)
                ? MCV_SHADING_GLOSS
                : MCV_SHADING_ANY;
 }

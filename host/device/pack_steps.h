@@ -26,6 +26,10 @@ void mcv_pack_instance(const mcv_scene *scene, mcv_packed *packed, uint32_t inde
 mcv_result mcv_pack_media(const mcv_scene *scene, const mcv_packed *earlier, mcv_packed *packed,
                           mcv_error *error);
 
+/* pack_contacts.c: with the feature CONTACT, where surfaces of bodies come near each other. The
+ * bodies have their media. */
+mcv_result mcv_pack_contacts(const mcv_scene *scene, mcv_packed *packed, mcv_error *error);
+
 /* pack_materials.c */
 
 mcv_device_material mcv_pack_material(const mcv_material *material);

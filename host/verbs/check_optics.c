@@ -5,6 +5,7 @@
 
 #include "check/growth.h"
 #include "reference/filling.h"
+#include "scene/camera_model.h"
 #include "scene/emitters.h"
 #include "scene/params.h"
 #include "scene/sensor_find.h"
@@ -12,6 +13,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* A smaller share of a pupil, or of the directions, is probably a mistake. Of the square of
@@ -63,6 +65,23 @@ static void report_growth(mcv_report *report, const mcv_scene *scene, const mcv_
     mcv_report_close(report);
 }
 
+/* As in headers, without the nodes. */
+static mcv_result report_model(mcv_report *report, const mcv_scene *scene, const mcv_sensor *sensor,
+                               mcv_error *error) {
+    mcv_camera_model model;
+    if (!report->json) return MCV_OK;
+    MCV_TRY(mcv_camera_model_of(scene, sensor, &model, error));
+    char *text = mcv_camera_model_write(&model);
+    json_t *object = text ? json_loads(text, 0, NULL) : NULL;
+    mcv_camera_model_free(&model);
+    free(text);
+    if (!object)
+        return mcv_fail(error, MCV_FAILED, "%s: no memory for the camera model", scene->path);
+    json_object_del(object, "nodes");
+    mcv_report_value(report, "camera_model", object);
+    return MCV_OK;
+}
+
 mcv_result mcv_check_report_sensor(mcv_report *report, const mcv_scene *scene, uint32_t index,
                                    mcv_findings *findings, mcv_error *error) {
     const mcv_sensor *sensor = scene->sensors + index;
@@ -85,6 +104,7 @@ mcv_result mcv_check_report_sensor(mcv_report *report, const mcv_scene *scene, u
     mcv_report_number(report, "numerical_aperture", "", optics.numerical_aperture);
     mcv_report_numbers(report, "macro_pixel_pitch", "m", " x ", optics.macro_pixel, 2);
     mcv_report_close(report);
+    MCV_TRY(report_model(report, scene, sensor, error));
     MCV_TRY(report_fillings(report, scene, index, findings, error));
     report_growth(report, scene, sensor);
     mcv_report_close(report);

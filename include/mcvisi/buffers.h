@@ -40,6 +40,8 @@
     /* Where the albedos of a rough interface begin; MCV_NONE: it is smooth. */ \
     X(__global, uint, interface_albedos, "the rough interfaces", \
       dielectric && p->gloss ? sizeof p->interface_albedos : 0, p->interface_albedos) \
+    X(__global, mcv_contact_grid, contact_grid, "where bodies may touch", \
+      present(p->contact_grid, sizeof *p->contact_grid), p->contact_grid) \
     X(__global, mcv_device_emitter, emitters, "the emitters", \
       p->emitter_count * sizeof *p->emitters, p->emitters) \
     X(__global, uint, emitter_cdf, "the emitters' areas", \

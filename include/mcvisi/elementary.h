@@ -9,7 +9,8 @@
 /* exp(-x) for x >= 0, by 2^(-x log2 e) with a polynomial: relative error below 3e-7. */
 MCV_LOOP_FUNCTION float mcv_exp_minus(float x) {
     /* Below 2^-126 the result would be denormal; it is rounded to 0. */
-    if (!(x < 87.0f)) return 0.0f;
+    const int vanishes = !(x < 87.0f);
+    x = vanishes ? 0.0f : x;
     const float scaled = x * 1.44269504f;
     const float whole = mcv_floor(scaled + 0.5f);
     /* x = whole ln 2 + rest. ln 2 is split in two so that rest keeps its digits. */
@@ -21,7 +22,8 @@ MCV_LOOP_FUNCTION float mcv_exp_minus(float x) {
     p = mcv_fma(r, p, 0.5f);
     p = mcv_fma(r, p, 1.0f);
     p = mcv_fma(r, p, 1.0f);
-    return p * as_float((uint)(127 - (int)whole) << 23);
+    const float result = p * as_float((uint)(127 - (int)whole) << 23);
+    return vanishes ? 0.0f : result;
 }
 
 /* ln(1 + x) for x >= 0, relative error below 4e-7. */

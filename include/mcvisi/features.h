@@ -21,6 +21,7 @@
     X(SHEET, "sheet", "a thin sheet or a beam splitter transmits") \
     X(MIRROR, "mirror", "a mirror reflects") \
     X(GLOSS, "gloss", "a metal or a rough surface reflects") \
+    X(ANISOTROPY, "anisotropy", "a rough surface has a direction, as brushed metal has") \
     X(REFLECTOR, "retroreflector", "a surface has a BSDF of its own, such as a retroreflector") \
     X(CONTACT, "contact", \
       "bodies of glass or fluid may touch: rays check for coincident surfaces") \
@@ -58,6 +59,7 @@ enum {
 #undef MCV_X
         MCV_FEATURE_COUNT
 };
+#define MCV_ALL_FEATURES (0xffffffffu >> (32 - MCV_FEATURE_COUNT))
 
 /* X(stage, condition): the stages in the order in which they run. A stage runs if its condition, in
  * terms of MCV_WITH_…, is not 0. The names are keys of `check --json`; kernels/README.md says which

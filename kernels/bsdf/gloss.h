@@ -33,20 +33,35 @@ static int mcv_is_rough(mcv_world world, const mcv_interaction *interaction, uin
     return type == MCV_MATERIAL_METALLIC_ROUGHNESS || type == MCV_MATERIAL_CONDUCTOR;
 }
 
+/* What an image gives of a glossy surface: factors of its roughness and of its metallic share. */
+typedef struct mcv_polish {
+    float scale, metallic;
+} mcv_polish;
+
+#if MCV_WITH_TEXTURE
+MCV_LOOP_FUNCTION mcv_polish mcv_polish_at(mcv_world world, mcv_surface surface, uint texture) {
+    const float s = mcv_image_place(world, surface, texture, 0);
+    const float t = mcv_image_place(world, surface, texture, 1);
+    const mcv_polish polish = {mcv_texture_value(world, texture, s, t, 1),
+                               mcv_texture_value(world, texture, s, t, 2)};
+    return polish;
+}
+#endif
+
 /* The surface's values are those of its table, `from`, but the roughness, the metallic share and
  * the colour where textures give them. */
 MCV_LOOP_FUNCTION mcv_gloss_interaction mcv_make_gloss_interaction_of(
     mcv_world world, const mcv_interaction *interaction, const mcv_device_gloss *from, uint type,
-    mcv_color base, float scale, float metallic, uint media) {
+    mcv_color base, mcv_polish polish, uint media) {
     mcv_gloss_interaction m;
-    const float roughness = from->roughness * scale;
+    const float roughness = from->roughness * polish.scale;
     const float alpha =
         roughness * roughness > MCV_LEAST_ALPHA ? roughness * roughness : MCV_LEAST_ALPHA;
     m.near_media = m.far_media = media;
     m.gloss.type = type;
     m.gloss.base = base;
-    m.gloss.metallic = from->metallic * metallic;
-    m.gloss.layer = from->roughnesses > 1u ? scale * (float)(from->roughnesses - 1) : 0.0f;
+    m.gloss.metallic = from->metallic * polish.metallic;
+    m.gloss.layer = from->roughnesses > 1u ? polish.scale * (float)(from->roughnesses - 1) : 0.0f;
     m.gloss.table = from->table;
     m.gloss.inside = interaction->inside;
     m.gloss.between.eta = 1.0f;
@@ -68,11 +83,12 @@ MCV_LOOP_FUNCTION mcv_gloss_interaction mcv_make_gloss_interaction_of(
 
     m.z = interaction->normal;
     mcv_basis(m.z, &m.x, &m.y);
-    if (from->anisotropy > 0.0f) {
+    if (MCV_WITH_ANISOTROPY) {
+        const int turns = from->anisotropy > 0.0f;
         const mcv_vec3 tangent = mcv_tangent(world, interaction->surface, from->direction);
         const mcv_vec3 x = mcv_along(tangent, -mcv_dot(tangent, m.z), m.z);
-        if (mcv_dot(x, x) > 0.0f) m.x = mcv_normalize(x);
-        m.y = mcv_cross(m.z, m.x);
+        m.x = mcv_choose(turns & (mcv_dot(x, x) > 0.0f), mcv_normalize(x), m.x);
+        m.y = mcv_choose(turns, mcv_cross(m.z, m.x), m.y);
     }
     m.o = mcv_gloss_local(&m, mcv_scale(interaction->direction, -1.0f));
     m.lobes = mcv_gloss_lobes(from, &m.gloss, world.albedos, m.o);
@@ -83,16 +99,13 @@ static mcv_gloss_interaction mcv_make_gloss_interaction(mcv_world world,
                                                         const mcv_interaction *interaction,
                                                         uint material, uint media) {
     const mcv_device_gloss from = world.gloss[material];
-    float scale = 1.0f, metallic = 1.0f;
-    if (MCV_WITH_TEXTURE && from.texture != MCV_NONE) {
-        const float s = mcv_image_place(world, interaction->surface, from.texture, 0);
-        const float t = mcv_image_place(world, interaction->surface, from.texture, 1);
-        scale = mcv_texture_value(world, from.texture, s, t, 1);
-        metallic = mcv_texture_value(world, from.texture, s, t, 2);
-    }
+    mcv_polish polish = {1.0f, 1.0f};
+#if MCV_WITH_TEXTURE
+    if (from.texture != MCV_NONE) polish = mcv_polish_at(world, interaction->surface, from.texture);
+#endif
     return mcv_make_gloss_interaction_of(world, interaction, &from, world.materials[material].type,
                                          mcv_material_value(world, interaction->surface, material),
-                                         scale, metallic, media);
+                                         polish, media);
 }
 
 /* The same, worked out once for a path's surface, or in the given room. */
@@ -149,13 +162,7 @@ MCV_LOOP_FUNCTION mcv_scattering mcv_turn_by_gloss(mcv_world world,
                                                    const mcv_device_gloss *from,
                                                    const mcv_gloss_interaction *m,
                                                    mcv_vec3 direction) {
-    const mcv_response response = mcv_respond_gloss_of(world, interaction, from, m, direction);
-    mcv_scattering scattering = mcv_scatter_into(direction, response.media, MCV_EVENT_END);
-    const float scale = 1.0f / response.density;
-    MCV_EACH_CHANNEL(c)
-    scattering.factor.c[c] = response.density > 0.0f ? response.value.c[c] * scale : 0.0f;
-    scattering.density = response.density;
-    return scattering;
+    return mcv_scatter_by(direction, mcv_respond_gloss_of(world, interaction, from, m, direction));
 }
 
 /* The microfacet of rough glass that has turned light one way turns it the other way, too: *other,

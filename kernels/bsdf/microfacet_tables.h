@@ -31,21 +31,17 @@ MCV_LOOP_FUNCTION mcv_albedo mcv_albedo_row(__global const float *rows, uint azi
     const float x = mcv_sqrt(mcv_abs(w.z)) * (float)(MCV_ALBEDO_COSINES - 1);
     const uint column = min((uint)x, (uint)(MCV_ALBEDO_COSINES - 2));
     const float f = x - (float)column;
-    float g = 0.0f;
-    uint row = 0;
-    if (azimuths > 1) {
-        const float sum = mcv_abs(w.x) + mcv_abs(w.y);
-        const float y = (sum > 0.0f ? mcv_abs(w.x) / sum : 0.0f) * (float)(azimuths - 1);
-        row = min((uint)y, azimuths - 2);
-        g = y - (float)row;
-    }
+    const float sum = mcv_abs(w.x) + mcv_abs(w.y);
+    const float y = (sum > 0.0f ? mcv_abs(w.x) / sum : 0.0f) * (float)(azimuths - 1);
+    const uint row = min((uint)y, azimuths - 2); /* of the only one, 0 */
+    const float g = y - (float)row;
     mcv_albedo albedo = {0.0f, 0.0f};
 #pragma unroll
-    for (uint k = 0; k < 4; ++k) {
-        if (k > 1 && azimuths == 1) break;
+    for (uint k = 0; k < (MCV_WITH_ANISOTROPY ? 4u : 2u); ++k) {
         const float weight = (k & 1 ? f : 1.0f - f) * (k & 2 ? g : 1.0f - g);
         __global const float *entry =
-            rows + 2 * ((row + (k >> 1)) * MCV_ALBEDO_COSINES + column + (k & 1));
+            rows +
+            2 * ((row + (azimuths > 1 ? k >> 1 : 0u)) * MCV_ALBEDO_COSINES + column + (k & 1));
         albedo.a = mcv_fma(weight, entry[0], albedo.a);
         albedo.b = mcv_fma(weight, entry[1], albedo.b);
     }
@@ -64,10 +60,11 @@ MCV_LOOP_FUNCTION mcv_albedo mcv_albedo_at(const mcv_device_gloss *m, const mcv_
     low.a = at[0];
     low.b = at[1];
     if (!mean) low = mcv_albedo_row(at + 2, m->azimuths, w);
-    if (m->roughnesses == 1) return low;
-    high.a = at[size];
-    high.b = at[size + 1];
-    if (!mean) high = mcv_albedo_row(at + size + 2, m->azimuths, w);
+    if (!MCV_WITH_TEXTURE) return low;
+    const uint next = m->roughnesses > 1 ? size : 0u;
+    high.a = at[next];
+    high.b = at[next + 1];
+    if (!mean) high = mcv_albedo_row(at + next + 2, m->azimuths, w);
     low.a = mcv_fma(f, high.a - low.a, low.a);
     low.b = mcv_fma(f, high.b - low.b, low.b);
     return low;

@@ -13,7 +13,7 @@
 /* Whether the tile schedule sets paths on surfaces of these kinds side by side: diffuse or glossy
  * ones, smooth bodies. */
 #define MCV_WITH_PLAIN \
-    (MCV_WITH_DIFFUSE && MCV_OFFSETS_TOGETHER && !MCV_WITH_TRANSLUCENT && !MCV_WITH_DISPERSION)
+    ((MCV_WITH_DIFFUSE || MCV_WITH_GLOSS) && MCV_OFFSETS_TOGETHER && !MCV_WITH_DISPERSION)
 #define MCV_WITH_SMOOTH (MCV_WITH_DIELECTRIC && MCV_OFFSETS_TOGETHER && !MCV_WITH_DISPERSION)
 
 /* What becomes of a path at a surface. MCV_UNSHADED: nothing yet, it is left to mcv_shade_surface.
@@ -62,20 +62,29 @@ MCV_LOOP_FUNCTION mcv_shading mcv_shading_as(mcv_shading shading, uint type) {
     return shading;
 }
 
-/* What is known of a plain glossy material beforehand: it has no direction and no texture. */
-static mcv_device_gloss mcv_plain_gloss(mcv_world world, uint material) {
+/* What is known of a glossy material beforehand. turns: whether it has a direction, known to the
+ * compiler. */
+MCV_LOOP_FUNCTION mcv_device_gloss mcv_plain_gloss(mcv_world world, uint material, int turns) {
     mcv_device_gloss from = world.gloss[material];
-    from.azimuths = from.roughnesses = 1u;
-    from.anisotropy = 0.0f;
+    from.azimuths = turns ? MCV_ALBEDO_AZIMUTHS : 1u;
+    from.anisotropy = turns ? from.anisotropy : 0.0f;
+    from.roughnesses = MCV_WITH_TEXTURE ? from.roughnesses : 1u;
     return from;
 }
 
-MCV_LOOP_FUNCTION mcv_gloss_interaction mcv_make_plain_gloss_interaction(
-    mcv_world world, const mcv_interaction *interaction, mcv_shading shading, uint media) {
+MCV_LOOP_FUNCTION mcv_gloss_interaction
+mcv_make_plain_gloss_interaction(mcv_world world, mcv_slot slot, const mcv_interaction *interaction,
+                                 mcv_shading shading, uint media) {
     mcv_color base;
+    mcv_polish polish = {1.0f, 1.0f};
     MCV_EACH_CHANNEL(c) base.c[c] = world.materials[shading.material].value[c];
+    if (MCV_WITH_TEXTURE) {
+        MCV_LOAD_COLOR(slot, reflectance, base);
+        polish.scale = MCV_LOAD(slot, polish, 0);
+        polish.metallic = MCV_LOAD(slot, polish, 1);
+    }
     return mcv_make_gloss_interaction_of(world, interaction, shading.gloss, shading.type, base,
-                                         1.0f, 1.0f, media);
+                                         polish, media);
 }
 #endif
 
@@ -90,7 +99,7 @@ MCV_LOOP_FUNCTION mcv_scattering mcv_scatter_as(mcv_world world, mcv_slot slot,
                                                 int *unshaded) {
     const uint media = mcv_path_media(slot);
     (void)unshaded, (void)shading;
-#if MCV_WITH_PLAIN
+#if MCV_WITH_PLAIN && MCV_WITH_DIFFUSE
     if (shading.kind == MCV_SHADING_DIFFUSE) {
         mcv_color reflectance;
         MCV_LOAD_COLOR(slot, reflectance, reflectance);
@@ -106,7 +115,7 @@ MCV_LOOP_FUNCTION mcv_scattering mcv_scatter_as(mcv_world world, mcv_slot slot,
     if (shading.kind == MCV_SHADING_GLOSS) {
         mcv_scattering on;
         const mcv_gloss_interaction m =
-            mcv_make_plain_gloss_interaction(world, interaction, shading, media);
+            mcv_make_plain_gloss_interaction(world, slot, interaction, shading, media);
         *unshaded = m.gloss.table == MCV_NONE;
         *unmatched += (uint)(!*unshaded & (m.near_media != media));
         other->chance = 0.0f;

@@ -63,6 +63,26 @@ MCV_FUNCTION void mcv_find_exact_contacts(mcv_world world, uint own, mcv_interac
     }
 }
 
+/* How far behind a hit at t another surface may be met that is in the same place, as far as points
+ * are in doubt by e. */
+MCV_LOOP_FUNCTION float mcv_contact_band(const mcv_interaction *interaction, mcv_vec3 e, float t) {
+    const mcv_vec3 f = interaction->face;
+    const float reach = mcv_abs(f.x) * e.x + mcv_abs(f.y) * e.y + mcv_abs(f.z) * e.z;
+    return 2.0f * reach / -mcv_dot(interaction->direction, f) + 2.0f * MCV_GAMMA(16) * t;
+}
+
+/* Whether surfaces of other bodies than that of the medium `own` may lie so close to a point;
+ * triangles, not exact ones. */
+MCV_LOOP_FUNCTION int mcv_is_near_others(mcv_world world, mcv_vec3 point, uint own, float band) {
+    __global const mcv_contact_grid *grid = world.contact_grid;
+    const uint x = mcv_contact_cell(point.x, grid->low[0], grid->scale[0]),
+               y = mcv_contact_cell(point.y, grid->low[1], grid->scale[1]),
+               z = mcv_contact_cell(point.z, grid->low[2], grid->scale[2]);
+    const uint media = grid->media[(z * MCV_CONTACT_CELLS + y) * MCV_CONTACT_CELLS + x];
+    const int far = 2.0f * band < grid->reach; /* half of it is for what rounds */
+    return !far | ((media & ~(1u << (own - 1u))) != 0u);
+}
+
 /*
  * Surfaces of dielectric bodies in the same place as the one that the ray has met: so close behind
  * that the next ray's origin, which is moved off the surface by its error, might lie beyond them,
@@ -72,6 +92,7 @@ static void mcv_find_contacts(mcv_world world, mcv_vec3 origin, mcv_hit hit,
                               mcv_interaction *interaction) {
     interaction->exited = interaction->entered = 0u;
     interaction->touched = MCV_NONE;
+    interaction->touched_face = interaction->face;
     const uint own = world.instances[interaction->surface.instance].medium;
     if (MCV_WITH_SURFACES && own != 0u) mcv_find_exact_contacts(world, own, interaction);
     interaction->beyond_point = interaction->surface.point;
@@ -82,11 +103,11 @@ static void mcv_find_contacts(mcv_world world, mcv_vec3 origin, mcv_hit hit,
     const float rounding =
         mcv_is_exact(hit.triangle) ? mcv_exact_rounding(interaction->surface.point, 0.0f) : 0.0f;
     if (MCV_WITH_SURFACES) e = mcv_larger(e, mcv_vec(rounding, rounding, rounding));
+    if (!mcv_is_near_others(world, interaction->surface.point, own,
+                            mcv_contact_band(interaction, e, hit.t)))
+        return;
     for (int i = 0; i < (int)MCV_MAX_MEDIA; ++i) {
-        const mcv_vec3 f = interaction->face;
-        const float reach = mcv_abs(f.x) * e.x + mcv_abs(f.y) * e.y + mcv_abs(f.z) * e.z;
-        const float band =
-            2.0f * reach / -mcv_dot(interaction->direction, f) + 2.0f * MCV_GAMMA(16) * hit.t;
+        const float band = mcv_contact_band(interaction, e, hit.t);
         hit = mcv_next_hit_ray(world.nodes, world.leaves, origin, interaction->direction, hit,
                                hit.t + band);
         if (hit.triangle == MCV_NONE) return;

@@ -58,14 +58,14 @@ MCV_LOOP_FUNCTION mcv_surface mcv_hit_surface(mcv_world world, mcv_vec3 origin, 
 }
 
 /* The origin of a ray that goes on from there. */
-MCV_FUNCTION mcv_vec3 mcv_onward_origin(mcv_interaction interaction, mcv_vec3 direction) {
+MCV_LOOP_FUNCTION mcv_vec3 mcv_onward_origin(mcv_interaction interaction, mcv_vec3 direction) {
+    mcv_vec3 point = interaction.surface.point, error = interaction.surface.error;
 #if MCV_WITH_CONTACT
-    if (mcv_dot(direction, interaction.face) < 0.0f)
-        return mcv_offset_origin(interaction.beyond_point, interaction.beyond_error,
-                                 interaction.face, direction);
+    const int passes = mcv_dot(direction, interaction.face) < 0.0f;
+    point = mcv_choose(passes, interaction.beyond_point, point);
+    error = mcv_choose(passes, interaction.beyond_error, error);
 #endif
-    return mcv_offset_origin(interaction.surface.point, interaction.surface.error, interaction.face,
-                             direction);
+    return mcv_offset_origin(point, error, interaction.face, direction);
 }
 
 /* What a ray remembers of the exact surface that it starts on (mcv_mark_origin_surface), or
@@ -74,10 +74,9 @@ MCV_LOOP_FUNCTION uint mcv_origin_surface_of(mcv_world world, mcv_interaction in
                                              mcv_vec3 direction) {
     mcv_surface surface = interaction.surface;
 #if MCV_WITH_CONTACT
-    if (interaction.touched != MCV_NONE) {
-        surface.triangle = interaction.touched;
-        surface.face = interaction.touched_face;
-    }
+    const int touches = interaction.touched != MCV_NONE;
+    surface.triangle = touches ? interaction.touched : surface.triangle;
+    surface.face = mcv_choose(touches, interaction.touched_face, surface.face);
 #endif
     return mcv_mark_origin_surface(world, surface, direction);
 }

@@ -95,8 +95,12 @@ MCV_LOOP_FUNCTION mcv_interaction mcv_make_interaction(mcv_world world, mcv_slot
     interaction.bounce_density = MCV_LOAD(slot, bounce, 3);
 #endif
 #if MCV_WITH_CONTACT
-    const mcv_hit hit = {MCV_LOAD(slot, hit, 0), u, v, triangle};
-    mcv_find_contacts(world, MCV_LOAD_3(slot, origin), hit, &interaction);
+    interaction.exited = MCV_WORD(slot, contact, 0);
+    interaction.entered = MCV_WORD(slot, contact, 1);
+    interaction.touched = MCV_WORD(slot, contact, 2);
+    interaction.beyond_point = MCV_LOAD_3(slot, beyond_point);
+    interaction.beyond_error = MCV_LOAD_3(slot, beyond_error);
+    interaction.touched_face = MCV_LOAD_3(slot, touched_face);
 #endif
     return interaction;
 #else
@@ -104,5 +108,42 @@ MCV_LOOP_FUNCTION mcv_interaction mcv_make_interaction(mcv_world world, mcv_slot
     return mcv_meet(world, MCV_LOAD_3(slot, origin), MCV_LOAD_3(slot, direction), hit);
 #endif
 }
+
+#if MCV_TILE && MCV_WITH_CONTACT
+/* Nothing is in the same place as the surface that a path has met. */
+MCV_LOOP_FUNCTION void mcv_put_no_contact(mcv_slot slot) {
+    MCV_WORD(slot, contact, 0) = MCV_WORD(slot, contact, 1) = 0u;
+    MCV_WORD(slot, contact, 2) = MCV_NONE;
+    MCV_STORE_3(slot, beyond_point, MCV_LOAD_3(slot, point));
+    MCV_STORE_3(slot, beyond_error, MCV_LOAD_3(slot, error));
+    MCV_STORE_3(slot, touched_face, MCV_LOAD_3(slot, face));
+}
+
+/* Whether the surface that a path has met may have others in the same place. */
+MCV_LOOP_FUNCTION int mcv_may_touch(mcv_world world, mcv_slot slot) {
+    const mcv_interaction interaction = mcv_make_interaction(world, slot);
+    const uint medium = world.instances[interaction.surface.instance].medium;
+    const int near = MCV_WITH_SURFACES ||
+                     mcv_is_near_others(world, interaction.surface.point, medium > 0u ? medium : 1u,
+                                        mcv_contact_band(&interaction, interaction.surface.error,
+                                                         MCV_LOAD(slot, hit, 0)));
+    return (medium != 0u) & near;
+}
+
+/* Looks for surfaces in the same place as the one of a body that a path has met. */
+MCV_FUNCTION void mcv_find_contact(mcv_world world, mcv_slot slot) {
+    const mcv_hit hit = {MCV_LOAD(slot, hit, 0), MCV_LOAD(slot, hit, 1), MCV_LOAD(slot, hit, 2),
+                         MCV_WORD(slot, hit, 3)};
+    mcv_interaction interaction = mcv_make_interaction(world, slot);
+    mcv_find_contacts(world, MCV_LOAD_3(slot, origin), hit, &interaction);
+    MCV_STORE_3(slot, error, interaction.surface.error);
+    MCV_WORD(slot, contact, 0) = interaction.exited;
+    MCV_WORD(slot, contact, 1) = interaction.entered;
+    MCV_WORD(slot, contact, 2) = interaction.touched;
+    MCV_STORE_3(slot, beyond_point, interaction.beyond_point);
+    MCV_STORE_3(slot, beyond_error, interaction.beyond_error);
+    MCV_STORE_3(slot, touched_face, interaction.touched_face);
+}
+#endif
 
 #endif

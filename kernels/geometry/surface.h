@@ -142,15 +142,15 @@ MCV_LOOP_FUNCTION mcv_color mcv_textured(mcv_world world, mcv_surface surface, u
 
 /* The direction that lies at an angle, given by its cosine and sine, from the tangent; along the
  * surface only about. */
-MCV_FUNCTION mcv_vec3 mcv_tangent(mcv_world world, mcv_surface surface, const float *angle) {
-    const uint corners[3] = {surface.corners.x, surface.corners.y, surface.corners.z};
-    const float weights[3] = {1.0f - surface.u - surface.v, surface.u, surface.v};
+MCV_LOOP_FUNCTION mcv_vec3 mcv_tangent(mcv_world world, mcv_surface surface, const float *angle) {
+    __global const float *a = world.tangents + 4 * surface.corners.x,
+                         *b = world.tangents + 4 * surface.corners.y,
+                         *c = world.tangents + 4 * surface.corners.z;
     mcv_vec3 tangent = mcv_vec(0.0f, 0.0f, 0.0f);
-    for (int i = 0; i < 3; ++i) {
-        __global const float *t = world.tangents + 4 * corners[i];
-        tangent = mcv_along(tangent, weights[i], mcv_vec(t[0], t[1], t[2]));
-    }
-    const float hand = world.tangents[4 * surface.corners.x + 3];
+    tangent = mcv_along(tangent, 1.0f - surface.u - surface.v, mcv_vec(a[0], a[1], a[2]));
+    tangent = mcv_along(tangent, surface.u, mcv_vec(b[0], b[1], b[2]));
+    tangent = mcv_along(tangent, surface.v, mcv_vec(c[0], c[1], c[2]));
+    const float hand = a[3];
     const mcv_vec3 x =
         mcv_normalize(mcv_along(tangent, -mcv_dot(tangent, surface.normal), surface.normal));
     return mcv_along(mcv_scale(x, angle[0]), hand * angle[1], mcv_cross(surface.normal, x));

@@ -8,28 +8,29 @@
 
 enum { MCV_WRAP_CLAMP = 33071, MCV_WRAP_MIRROR = 33648 };
 
-/* Texel index of a whole coordinate outside [0, size). */
-MCV_FUNCTION uint mcv_wrap(int i, uint size, uint mode) {
-    const int n = (int)size;
-    if (mode == MCV_WRAP_CLAMP) return (uint)(i < 0 ? 0 : i >= n ? n - 1 : i);
-    const int period = mode == MCV_WRAP_MIRROR ? 2 * n : n;
-    int k = i % period;
-    if (k < 0) k += period;
-    return (uint)(k < n ? k : 2 * n - 1 - k);
+/*
+ * Texel index of a whole coordinate, which lies up to 2^16 periods outside [0, size). Integers are
+ * not divided in vectors: floats give the whole periods, or one too many or too few. What is no
+ * number gives some texel.
+ */
+MCV_LOOP_FUNCTION uint mcv_wrap(int i, uint size, uint mode) {
+    const int n = (int)size, period = mode == MCV_WRAP_MIRROR ? 2 * n : n;
+    const int within = i < 0 ? 0 : i;
+    int k = i - (int)mcv_floor((float)i / (float)period) * period;
+    k += k < 0 ? period : 0;
+    k -= k >= period ? period : 0;
+    k = k < n ? k : 2 * n - 1 - k;
+    const uint texel = (uint)(mode == MCV_WRAP_CLAMP ? within : k);
+    return texel < size ? texel : size - 1u;
 }
 
-MCV_FUNCTION mcv_color mcv_texel(mcv_world world, mcv_device_texture texture, int x, int y) {
-    const uint texel = mcv_wrap(y, texture.height, texture.wrap_t) * texture.width +
-                       mcv_wrap(x, texture.width, texture.wrap_s);
-    mcv_color color;
-    if (texture.linear) {
-        MCV_EACH_CHANNEL(i)
-        color.c[i] = as_float(world.texels[texture.first + 3u * texel + (uint)i]);
-        return color;
-    }
-    const uint rgba = world.texels[texture.first + texel];
-    MCV_EACH_CHANNEL(i) color.c[i] = as_float(world.texels[(rgba >> (8 * i)) & 255u]);
-    return color;
+/* Channel i of what is kept of a texel: of a linear one all of its words, else its only one. */
+MCV_LOOP_FUNCTION float mcv_texel_value(mcv_world world, __global const mcv_device_texture *texture,
+                                        uint texel, uint i) {
+    const int linear = texture->linear != 0u;
+    const uint word = world.texels[texture->first + (linear ? 3u * texel + i : texel)];
+    const float decoded = as_float(world.texels[(word >> (8u * i)) & 255u]);
+    return linear ? as_float(word) : decoded;
 }
 
 /* The texel at a place, or the upper left one of the four around it and how far it is from that
@@ -39,13 +40,19 @@ typedef struct mcv_texture_place {
     float a, b;
 } mcv_texture_place;
 
+MCV_LOOP_FUNCTION float mcv_limited(float x, float most) {
+    const float below = x < most ? x : most;
+    return below > -most ? below : -most;
+}
+
 /* (0, 0) is the upper left corner of the image, as glTF has it. Coordinates beyond 2^16 periods
  * have lost their digits. */
-MCV_FUNCTION mcv_texture_place mcv_find_texel(mcv_device_texture texture, float s, float t) {
+MCV_LOOP_FUNCTION mcv_texture_place mcv_find_texel(__global const mcv_device_texture *texture,
+                                                   float s, float t) {
     mcv_texture_place place;
-    const float x = clamp(s, -65536.0f, 65536.0f) * (float)texture.width;
-    const float y = clamp(t, -65536.0f, 65536.0f) * (float)texture.height;
-    const float middle = texture.nearest ? 0.0f : 0.5f;
+    const float x = mcv_limited(s, 65536.0f) * (float)texture->width;
+    const float y = mcv_limited(t, 65536.0f) * (float)texture->height;
+    const float middle = texture->nearest ? 0.0f : 0.5f;
     const float left = mcv_floor(x - middle);
     const float top = mcv_floor(y - middle);
     place.i = (int)left;
@@ -55,41 +62,53 @@ MCV_FUNCTION mcv_texture_place mcv_find_texel(mcv_device_texture texture, float 
     return place;
 }
 
-MCV_FUNCTION mcv_color mcv_texture_lookup(mcv_world world, uint index, float s, float t) {
-    const mcv_device_texture texture = world.textures[index];
+/* The texels at a place: of the nearest one, or of the four around it from left to right and down,
+ * the numbers. */
+typedef struct mcv_texture_corners {
+    uint texel[4];
+} mcv_texture_corners;
+
+MCV_LOOP_FUNCTION mcv_texture_corners mcv_corners_of(__global const mcv_device_texture *texture,
+                                                     mcv_texture_place place) {
+    const uint left = mcv_wrap(place.i, texture->width, texture->wrap_s),
+               right = mcv_wrap(place.i + 1, texture->width, texture->wrap_s),
+               top = mcv_wrap(place.j, texture->height, texture->wrap_t) * texture->width,
+               bottom = mcv_wrap(place.j + 1, texture->height, texture->wrap_t) * texture->width;
+    const mcv_texture_corners corners = {{top + left, top + right, bottom + left, bottom + right}};
+    return corners;
+}
+
+/* A channel there. */
+MCV_LOOP_FUNCTION float mcv_texture_channel(mcv_world world,
+                                            __global const mcv_device_texture *texture,
+                                            mcv_texture_place place, mcv_texture_corners corners,
+                                            uint i) {
+    const float c00 = mcv_texel_value(world, texture, corners.texel[0], i),
+                c10 = mcv_texel_value(world, texture, corners.texel[1], i),
+                c01 = mcv_texel_value(world, texture, corners.texel[2], i),
+                c11 = mcv_texel_value(world, texture, corners.texel[3], i);
+    const float upper = mcv_fma(place.a, c10 - c00, c00);
+    const float lower = mcv_fma(place.a, c11 - c01, c01);
+    const float between = mcv_fma(place.b, lower - upper, upper);
+    return texture->nearest ? c00 : between;
+}
+
+MCV_LOOP_FUNCTION mcv_color mcv_texture_lookup(mcv_world world, uint index, float s, float t) {
+    __global const mcv_device_texture *texture = world.textures + index;
     const mcv_texture_place place = mcv_find_texel(texture, s, t);
-    const int i = place.i;
-    const int j = place.j;
-    const float a = place.a;
-    const float b = place.b;
-    const mcv_color c00 = mcv_texel(world, texture, i, j);
-    if (texture.nearest) return c00;
-    const mcv_color c10 = mcv_texel(world, texture, i + 1, j);
-    const mcv_color c01 = mcv_texel(world, texture, i, j + 1);
-    const mcv_color c11 = mcv_texel(world, texture, i + 1, j + 1);
+    const mcv_texture_corners corners = mcv_corners_of(texture, place);
     mcv_color color;
-    MCV_EACH_CHANNEL(k) {
-        const float upper = mcv_fma(a, c10.c[k] - c00.c[k], c00.c[k]);
-        const float lower = mcv_fma(a, c11.c[k] - c01.c[k], c01.c[k]);
-        color.c[k] = mcv_fma(b, lower - upper, upper);
-    }
+    MCV_EACH_CHANNEL(i)
+    color.c[i] = mcv_texture_channel(world, texture, place, corners, (uint)i);
     return color;
 }
 
 /* A single channel of an image of linear values, however many the render has. */
-MCV_FUNCTION float mcv_texture_value(mcv_world world, uint index, float s, float t, uint channel) {
-    const mcv_device_texture texture = world.textures[index];
+MCV_LOOP_FUNCTION float mcv_texture_value(mcv_world world, uint index, float s, float t,
+                                          uint channel) {
+    __global const mcv_device_texture *texture = world.textures + index;
     const mcv_texture_place place = mcv_find_texel(texture, s, t);
-    float corner[4];
-    for (int k = 0; k < 4; ++k) {
-        const uint y = mcv_wrap(place.j + (k >> 1), texture.height, texture.wrap_t);
-        const uint x = mcv_wrap(place.i + (k & 1), texture.width, texture.wrap_s);
-        corner[k] = as_float(world.texels[texture.first + 3u * (y * texture.width + x) + channel]);
-    }
-    if (texture.nearest) return corner[0];
-    const float upper = mcv_fma(place.a, corner[1] - corner[0], corner[0]);
-    const float lower = mcv_fma(place.a, corner[3] - corner[2], corner[2]);
-    return mcv_fma(place.b, lower - upper, upper);
+    return mcv_texture_channel(world, texture, place, mcv_corners_of(texture, place), channel);
 }
 
 #endif

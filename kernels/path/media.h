@@ -16,13 +16,14 @@ MCV_LOOP_FUNCTION mcv_color mcv_basic_radiance(mcv_world world, mcv_color radian
 }
 
 /* What the medium leaves of light over a distance. */
-MCV_FUNCTION mcv_color mcv_medium_transmittance(mcv_world world, uint media, float distance) {
+MCV_LOOP_FUNCTION mcv_color mcv_medium_transmittance(mcv_world world, uint media, float distance) {
     __global const mcv_device_medium *medium = world.media + mcv_filling_medium(media);
-    mcv_color transmittance;
-    if (!MCV_WITH_ABSORPTION) return mcv_grey(1.0f);
-    MCV_EACH_CHANNEL(i)
-    transmittance.c[i] =
-        medium->absorption[i] > 0.0f ? mcv_exp_minus(medium->absorption[i] * distance) : 1.0f;
+    mcv_color transmittance = mcv_grey(1.0f);
+    MCV_EACH_CHANNEL(i) {
+        const int absorbs = MCV_WITH_ABSORPTION && medium->absorption[i] > 0.0f;
+        const float left = mcv_exp_minus(absorbs ? medium->absorption[i] * distance : 0.0f);
+        transmittance.c[i] = absorbs ? left : 1.0f;
+    }
     return transmittance;
 }
 

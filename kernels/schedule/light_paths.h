@@ -38,10 +38,10 @@ MCV_BATCH void mcv_classify_light_hits(mcv_world world, mcv_slot slot, uint coun
         MCV_STORE(slot, light_length, 0, MCV_LOAD(slot, light_length, 0) + MCV_LOAD(slot, hit, 0));
     }
     mcv_sort_paths(slot.base, classes, count, class_end);
-    mcv_find_interactions(world, slot.base, class_end);
+    mcv_find_interactions(world, slot.base, class_end, *gloss);
 }
 
-/* Adds to the film what the paths send to the lens from surfaces that spread light. */
+/* Connects the paths on scattering surfaces to the lens, and adds that to the film. */
 MCV_BATCH void mcv_splat_light_paths(mcv_world world, mcv_slot slot, uint first, uint last,
                                      uint depth, __global uint *splats,
                                      uint counts[MCV_COUNTER_COUNT]) {
@@ -66,7 +66,7 @@ MCV_BATCH uint mcv_shade_light_hits(mcv_world world, mcv_slot slot, const uint *
             mcv_draw(slot, depth, MCV_PAIR_CHOICE), depth, unmatched, &path);
         mcv_store_light_path(slot, path);
     }
-    mcv_offset_origins(slot.base, alive);
+    mcv_offset_origins(world, slot.base, alive);
     const uint next = mcv_compact_indices(fate, alive, chosen);
     if (next < alive) mcv_move_paths(slot.base, chosen, next);
     return next;

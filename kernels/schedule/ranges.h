@@ -64,7 +64,7 @@ MCV_LOOP_FUNCTION uint mcv_class_begin(const uint *class_end, uint class) {
 
 /* Which BSDFs the program has loops for; in a scene without, their paths are of the class ANY. */
 #define MCV_KNOWS_SMOOTH MCV_WITH_SMOOTH
-#define MCV_KNOWS_DIFFUSE MCV_WITH_PLAIN
+#define MCV_KNOWS_DIFFUSE (MCV_WITH_PLAIN && MCV_WITH_DIFFUSE)
 #define MCV_KNOWS_GLOSS (MCV_WITH_PLAIN && MCV_WITH_GLOSS)
 #define MCV_KNOWS_ANY 0
 
@@ -88,7 +88,14 @@ MCV_LOOP_FUNCTION uint mcv_class_begin(const uint *class_end, uint class) {
 #if MCV_KNOWS_GLOSS
 #define MCV_RANGE_GLOSS(first, last, exact, RANGE) \
     if (gloss != MCV_NONE) { \
-        const mcv_device_gloss from = mcv_plain_gloss(world, gloss); \
+        const int turns = MCV_WITH_ANISOTROPY && world.gloss[gloss].azimuths > 1u; \
+        if (!turns) MCV_RANGE_OF_TURN(0, first, last, RANGE) \
+        if (turns) MCV_RANGE_OF_TURN(1, first, last, RANGE) \
+    }
+/* turns: whether the material has a direction. */
+#define MCV_RANGE_OF_TURN(turns, first, last, RANGE) \
+    { \
+        const mcv_device_gloss from = mcv_plain_gloss(world, gloss, turns); \
         const mcv_shading glossy = mcv_glossy_shading(world, gloss, &from); \
         MCV_RANGE_OF_TYPE(MCV_MATERIAL_CONDUCTOR, first, last, RANGE) \
         MCV_RANGE_OF_TYPE(MCV_MATERIAL_METALLIC_ROUGHNESS, first, last, RANGE) \

@@ -109,7 +109,7 @@ MCV_BATCH uint mcv_shade_paths(mcv_world world, mcv_slot slot, const uint *class
         fate[slot.index] = mcv_shade_surface(world, slot, beside, depth, unmatched);
         beside.index += (fate[slot.index] & MCV_SPLITS) != 0u;
     }
-    if (MCV_OFFSETS_TOGETHER) mcv_offset_origins(slot.base, alive);
+    if (MCV_OFFSETS_TOGETHER) mcv_offset_origins(world, slot.base, alive);
     return beside.index;
 }
 

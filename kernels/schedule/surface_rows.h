@@ -69,6 +69,21 @@ MCV_BATCH void mcv_find_surfaces(mcv_world world, uint *paths, const uint *class
     mcv_find_exacts(world, paths, second_end, class_end[MCV_LAST_CLASS]);
 }
 
+#if MCV_WITH_CONTACT
+/* Surfaces in the same place as those that the first `count` paths have met: only bodies have any.
+ */
+MCV_BATCH void mcv_find_contact_rows(mcv_world world, uint *paths, uint count) {
+    uint flags[MCV_ROW], chosen[MCV_SLOTS];
+    MCV_VECTORIZE
+    MCV_EACH_PATH (slot, paths, 0, count) {
+        mcv_put_no_contact(slot);
+        flags[slot.index] = (uint)mcv_may_touch(world, slot);
+    }
+    const uint bodies = mcv_compact_indices(flags, count, chosen);
+    for (uint i = 0; i < bodies; ++i) mcv_find_contact(world, mcv_slot_at(paths, chosen[i]));
+}
+#endif
+
 MCV_LOOP_FUNCTION mcv_color mcv_reflectance_of(mcv_world world, uint instance) {
     mcv_color reflectance;
     MCV_EACH_CHANNEL(c)
@@ -76,8 +91,8 @@ MCV_LOOP_FUNCTION mcv_color mcv_reflectance_of(mcv_world world, uint instance) {
     return reflectance;
 }
 
-/* The reflectances of the diffuse surfaces of a range. The words that follow it in the row are
- * overwritten. */
+/* The reflectances of the surfaces of a range, without images. The words that follow it in the row
+ * are overwritten. */
 MCV_BATCH void mcv_find_reflectances(mcv_world world, uint *paths, uint first, uint last) {
     const uint *instances = paths + MCV_PATH_instance * MCV_ROW;
     uint *rows = paths + MCV_PATH_reflectance * MCV_ROW;
@@ -103,14 +118,78 @@ MCV_BATCH void mcv_find_reflectances(mcv_world world, uint *paths, uint first, u
     }
 }
 
-/* What is known of the surfaces that the paths have hit, for all of them. */
-static void mcv_find_interactions(mcv_world world, uint *paths, const uint *class_end) {
+#if MCV_WITH_TEXTURE
+/* Images modulate the reflectances of a range. */
+MCV_BATCH void mcv_apply_images(mcv_world world, uint *paths, uint first, uint last) {
+    uint flags[MCV_ROW], chosen[MCV_ROW];
+    MCV_VECTORIZE
+    MCV_EACH_PATH (slot, paths, first, last) {
+        const uint instance = MCV_WORD(slot, instance, 0);
+        flags[slot.index - first] =
+            world.materials[world.instances[instance].material].texture != MCV_NONE;
+    }
+    const uint count = mcv_compact_indices(flags, last - first, chosen);
+    MCV_VECTORIZE_MASKED
+    for (uint i = 0; i < count; ++i) {
+        const mcv_slot slot = mcv_slot_at(paths, first + chosen[i]);
+        const mcv_surface surface = mcv_make_interaction(world, slot).surface;
+        const mcv_color image = mcv_texture_at(
+            world, surface, world.materials[world.instances[surface.instance].material].texture);
+        mcv_color reflectance;
+        MCV_LOAD_COLOR(slot, reflectance, reflectance);
+        reflectance = mcv_tint(reflectance, image);
+        MCV_STORE_COLOR(slot, reflectance, reflectance);
+    }
+}
+
+#if MCV_WITH_GLOSS
+/* What the image of a glossy material makes of its roughness and of its metallic share, on a range
+ * of its surfaces. */
+MCV_BATCH void mcv_find_polish(mcv_world world, uint *paths, uint first, uint last, uint gloss) {
+    const uint texture = world.gloss[gloss].texture;
+    if (texture == MCV_NONE) {
+        MCV_VECTORIZE
+        MCV_EACH_PATH (slot, paths, first, last) {
+            MCV_STORE(slot, polish, 0, 1.0f);
+            MCV_STORE(slot, polish, 1, 1.0f);
+        }
+        return;
+    }
+    MCV_VECTORIZE_MASKED
+    MCV_EACH_PATH (slot, paths, first, last) {
+        const mcv_polish polish =
+            mcv_polish_at(world, mcv_make_interaction(world, slot).surface, texture);
+        MCV_STORE(slot, polish, 0, polish.scale);
+        MCV_STORE(slot, polish, 1, polish.metallic);
+    }
+}
+#endif
+#endif
+
+/* What is known of the surfaces that the paths have hit, for all of them. gloss: the material of
+ * the glossy classes. */
+static void mcv_find_interactions(mcv_world world, uint *paths, const uint *class_end, uint gloss) {
     mcv_find_surfaces(world, paths, class_end);
+#if MCV_WITH_CONTACT
+    mcv_find_contact_rows(world, paths, class_end[MCV_LAST_CLASS]);
+#endif
+    (void)gloss;
     if (!MCV_WITH_PLAIN) return;
+#if MCV_WITH_TEXTURE
+    const uint first = class_end[MCV_LAST_SMOOTH], last = class_end[MCV_LAST_KNOWN];
+    mcv_find_reflectances(world, paths, first, last);
+    mcv_apply_images(world, paths, first, last);
+#if MCV_WITH_GLOSS
+    if (gloss != MCV_NONE)
+        mcv_find_polish(world, paths, class_end[MCV_LAST_DIFFUSE_EXACT], class_end[MCV_LAST_GLOSS],
+                        gloss);
+#endif
+#else
     /* In this order: the first call overwrites words of the second one's range. */
     mcv_find_reflectances(world, paths, class_end[MCV_LAST_SMOOTH],
                           class_end[MCV_LAST_DIFFUSE_EXACT]);
     mcv_find_reflectances(world, paths, class_end[MCV_LAST_GLOSS], class_end[MCV_LAST_KNOWN]);
+#endif
 }
 
 /* Draws one of the pairs of random numbers of the surfaces. */
@@ -140,12 +219,11 @@ MCV_BATCH void mcv_sample_diffuse_directions(uint *paths, uint first, uint last)
 #endif
 
 /* The origins of the rays that leave the surfaces, in the directions that they have got. */
-MCV_BATCH void mcv_offset_origins(uint *paths, uint count) {
+MCV_BATCH void mcv_offset_origins(mcv_world world, uint *paths, uint count) {
     MCV_VECTORIZE
     MCV_EACH_PATH (slot, paths, 0, count) {
         const mcv_vec3 origin =
-            mcv_offset_origin(MCV_LOAD_3(slot, point), MCV_LOAD_3(slot, error),
-                              MCV_LOAD_3(slot, face), MCV_LOAD_3(slot, direction));
+            mcv_onward_origin(mcv_make_interaction(world, slot), MCV_LOAD_3(slot, direction));
         MCV_STORE_3(slot, origin, origin);
     }
 }

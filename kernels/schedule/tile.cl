@@ -109,7 +109,7 @@ MCV_BATCH void mcv_render_slice(mcv_world world, uint slice, __global float *sum
         counts[MCV_COUNTER_nonfinite] +=
             mcv_terminate_early(world, paths, classes, alive, depth, values);
         mcv_sort_paths(paths, classes, alive, class_end);
-        mcv_find_interactions(world, paths, class_end);
+        mcv_find_interactions(world, paths, class_end, gloss);
         alive = class_end[MCV_LAST_CLASS];
         if (mcv_needs_choice(world.frame, depth))
             mcv_draw_pairs(paths, 0, alive, depth, MCV_PAIR_CHOICE);

@@ -135,7 +135,9 @@ mcv_next_hit_ray(__global const mcv_node *nodes, __global const mcv_leaf *leaves
             continue;
         }
         float8 entry;
-        uint mask = mcv_intersect_boxes(nodes + current, &ray.slabs, hit.t, &entry);
+        int8 entered;
+        uint mask = mcv_intersect_boxes_between(nodes + current, &ray.slabs, after.t, hit.t, &entry,
+                                                &entered);
         while (mask) waiting[count++] = nodes[current].child[mcv_pop_bit(&mask)];
     }
     return hit;

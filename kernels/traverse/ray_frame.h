@@ -90,12 +90,12 @@ static inline mcv_ray_frame mcv_ray_setup(mcv_vec3 origin, mcv_vec3 direction, f
     return ray;
 }
 
-/* The children whose boxes the ray enters at 0 <= t <= t_max, one bit each and as lanes, and where.
- */
-MCV_LOOP_FUNCTION uint mcv_intersect_boxes_lanes(__global const mcv_node *node,
-                                                 const mcv_slabs *slabs, float t_max, float8 *entry,
-                                                 int8 *entered) {
-    float8 near = (float8)(0.0f), far = (float8)(t_max);
+/* The children whose boxes the ray is in at some t_min <= t <= t_max, one bit each and as lanes,
+ * and from where on. */
+MCV_LOOP_FUNCTION uint mcv_intersect_boxes_between(__global const mcv_node *node,
+                                                   const mcv_slabs *slabs, float t_min, float t_max,
+                                                   float8 *entry, int8 *entered) {
+    float8 near = (float8)(t_min), far = (float8)(t_max);
 #pragma unroll
     for (int axis = 0; axis < 3; ++axis) {
         const float8 inverse = (float8)(slabs->inverse[axis]);
@@ -108,6 +108,13 @@ MCV_LOOP_FUNCTION uint mcv_intersect_boxes_lanes(__global const mcv_node *node,
     *entry = near;
     *entered = near <= far;
     return mcv_mask8(*entered);
+}
+
+/* The same from the ray's origin on. */
+MCV_LOOP_FUNCTION uint mcv_intersect_boxes_lanes(__global const mcv_node *node,
+                                                 const mcv_slabs *slabs, float t_max, float8 *entry,
+                                                 int8 *entered) {
+    return mcv_intersect_boxes_between(node, slabs, 0.0f, t_max, entry, entered);
 }
 
 /* The same without the lanes. */

@@ -225,7 +225,7 @@ static void test_single_features(void **state) {
 
 static void test_a_needed_header_is_missed(void **state) {
     (void)state;
-    const uint32_t all = (1u << MCV_FEATURE_COUNT) - 1;
+    const uint32_t all = MCV_ALL_FEATURES;
     char options[1024];
     mcv_feature_defines(all, 3, MCV_SENSOR_LIGHT_FIELD, MCV_SAMPLER_SOBOL, 256, options,
                         sizeof options);
