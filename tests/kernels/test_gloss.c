@@ -40,7 +40,8 @@ typedef struct subject {
 #define LAYER(...) \
     .type = MCV_MATERIAL_METALLIC_ROUGHNESS, .material.as.metallic_roughness = {__VA_ARGS__}
 #define GLASS(ior, ...) \
-    .type = MCV_MATERIAL_DIELECTRIC, .material.as.dielectric = {GREY(ior), GREY(0), 0, __VA_ARGS__}
+    .type = MCV_MATERIAL_DIELECTRIC, \
+    .material.as.dielectric = {GREY(ior), GREY(0), 0, 0, 0, __VA_ARGS__}
 
 static const subject subjects[] = {
     {"perfect metal, roughness 0.2", METAL(0, 3, 0.2), .lossless = true},
