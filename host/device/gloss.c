@@ -21,7 +21,9 @@ static uint32_t words_of(const mcv_albedo_source *source) {
     const uint32_t behind = source->n_outside > 0 && source->azimuths == 1
                                 ? mcv_interface_words()
                                 : 0; /* an interface's albedos */
-    return source->multiple ? mcv_multiple_words() : mcv_albedo_words(source->azimuths) + behind;
+    if (source->multiple)
+        return source->azimuths > 1 ? mcv_multiple_brushed_words() : mcv_multiple_words();
+    return mcv_albedo_words(source->azimuths) + behind;
 }
 
 /* False: no memory. */
@@ -36,9 +38,11 @@ static bool integrate(const mcv_albedo_source *source, float *table) {
         float *block = table + (size_t)r * words;
         float *multiple =
             source->azimuths == 1 ? block + mcv_albedo_words(1) : NULL; /* of an interface */
-        if (source->multiple) {
-            made &= mcv_multiple_reflection(alpha[1], metal ? source->n : NULL,
-                                            metal ? source->k : NULL, block);
+        const double *n = metal ? source->n : NULL, *k = metal ? source->k : NULL;
+        if (source->multiple && source->azimuths > 1) {
+            made &= mcv_multiple_brushed(alpha, n, k, block);
+        } else if (source->multiple) {
+            made &= mcv_multiple_reflection(alpha[1], n, k, block);
         } else if (source->n_outside > 0) {
             made &=
                 !multiple || mcv_multiple_interface(alpha[1], source->n_outside, source->n_inside,
@@ -137,7 +141,9 @@ mcv_result mcv_pack_gloss(const mcv_scene *scene, const mcv_packed *earlier, mcv
         mcv_albedo_source multiple = source;
         multiple.multiple = true;
         if (multiple.roughnesses > 1) multiple.roughnesses = MCV_MULTIPLE_ROUGHNESSES;
-        if (from->type == MCV_MATERIAL_METALLIC_ROUGHNESS && to->metallic > 0 && to->azimuths == 1)
+        /* Brushed metal of many roughnesses has none: their tables would take seconds. */
+        const bool tabulated = to->azimuths == 1 || to->roughnesses == 1;
+        if (from->type == MCV_MATERIAL_METALLIC_ROUGHNESS && to->metallic > 0 && tabulated)
             MCV_TRY(find_table(earlier, packed, multiple, &to->multiple, error));
         if (from->type != MCV_MATERIAL_CONDUCTOR) continue;
         for (int k = 0; k < 3; ++k) {
@@ -148,7 +154,7 @@ mcv_result mcv_pack_gloss(const mcv_scene *scene, const mcv_packed *earlier, mcv
         MCV_TRY(find_table(earlier, packed, source, &to->table, error));
         memcpy(multiple.n, from->as.conductor.n, sizeof multiple.n);
         memcpy(multiple.k, from->as.conductor.k, sizeof multiple.k);
-        if (to->azimuths == 1) MCV_TRY(find_table(earlier, packed, multiple, &to->multiple, error));
+        if (tabulated) MCV_TRY(find_table(earlier, packed, multiple, &to->multiple, error));
         for (int k = 0; k < 3; ++k)
             packed->materials[i].value[k] = (float)left_by_facets(
                 mcv_conductor_mean(from->as.conductor.n[k], from->as.conductor.k[k]),

@@ -7,6 +7,7 @@
 
 #include "device/albedo.h"
 #include "device/microsurface.h"
+#include "device/multiple_orders.h"
 
 static const double pi = 3.14159265358979323846;
 
@@ -19,9 +20,6 @@ enum {
 /* Visible microfacets of a direction, over which the second reflection is summed: accurate to 1 %,
  * compared with finer steps. */
 enum { RADII = 24, ANGLES = 24, FACETS = RADII * ANGLES };
-
-/* Steps of a metal's reflectance by the cosine. */
-enum { STEPS = 512 };
 
 uint32_t mcv_multiple_words(void) { return WORDS * COSINES * COSINES * AZIMUTHS; }
 
@@ -36,16 +34,9 @@ typedef struct heading {
 
 typedef struct surface {
     double alpha;
-    float reflectance[3][STEPS + 2];
-    uint32_t channels; /* of a metal; 0: Schlick */
+    mcv_facet_metal metal;
     heading nodes[COSINES];
 } surface;
-
-static float reflectance(const float *steps, float c) {
-    const float x = c * (float)STEPS;
-    const uint32_t step = (uint32_t)x;
-    return steps[step] + (x - (float)step) * (steps[step + 1] - steps[step]);
-}
 
 /*
  * Adds two reflections from one direction to a second, `turn` away in azimuth. The first reflection
@@ -69,16 +60,8 @@ static void add_twice(const surface *work, const heading *from, const heading *t
         const double first = from->density[f];
         const double value = from->weight[f] * first * second * reach /
                              (4 * fabs(w[2]) * (own * first + other * second));
-        const float c[2] = {from->c[f], (float)fmin(0.5 * sqrt(squared), 1)};
-        sums[WORDS] += value;
-        for (uint32_t k = 0; k < work->channels; ++k)
-            sums[k] += value * (double)(reflectance(work->reflectance[k], c[0]) *
-                                        reflectance(work->reflectance[k], c[1]));
-        if (work->channels > 0) continue;
-        const double a = pow(1 - (double)c[0], 5), b = pow(1 - (double)c[1], 5);
-        sums[0] += value * (1 - a) * (1 - b);
-        sums[1] += value * (a + b - 2 * a * b);
-        sums[2] += value * a * b;
+        mcv_add_two_reflections(&work->metal, value, from->c[f],
+                                (float)fmin(0.5 * sqrt(squared), 1), sums);
     }
 }
 
@@ -93,7 +76,7 @@ static void fill_node(double alpha, double cosine, heading *node) {
             const double angle = 2 * pi * (a + 0.5) / ANGLES, turn[2] = {cos(angle), sin(angle)},
                          o[3] = {node->sine, 0, cosine};
             double c, h[3];
-            mcv_reflect_by_facet(alpha, o, left, turn, node->w[f], &c, h);
+            mcv_reflect_by_facet((const double[2]){alpha, alpha}, o, left, turn, node->w[f], &c, h);
             node->weight[f] = 2 * left / FACETS;
             node->density[f] = mcv_facet_density(alpha, h[2] * h[2]);
             node->hit[f] = mcv_smith(alpha, fmax(fabs(node->w[f][2]), 1e-12));
@@ -128,7 +111,7 @@ static void count_reflections(double alpha, const heading *from, double shares[3
         const int around = f / RADII_1;
         const double angle = pi * (around + 0.5) / ANGLES_1, turn[2] = {cos(angle), sin(angle)};
         double w[3], back[3], c, h[3];
-        mcv_reflect_by_facet(alpha, o, v * v, turn, w, &c, h);
+        mcv_reflect_by_facet((const double[2]){alpha, alpha}, o, v * v, turn, w, &c, h);
         const double hit = mcv_smith(alpha, fmax(fabs(w[2]), 1e-12)),
                      goes_on = w[2] > 0 ? hit / (1 + own + hit) : 1;
         shares[0] += first * (1 - goes_on);
@@ -140,7 +123,7 @@ static void count_reflections(double alpha, const heading *from, double shares[3
             const double other = 2 * pi * (about + 0.5) / ANGLES_2,
                          to[2] = {cos(other), sin(other)};
             double i[3];
-            mcv_reflect_by_facet(alpha, back, u * u, to, i, &c, h);
+            mcv_reflect_by_facet((const double[2]){alpha, alpha}, back, u * u, to, i, &c, h);
             const double out = i[2] > 0 ? mcv_smith(alpha, i[2]) : 0;
             const double leaves = i[2] > 0 ? (1 + own) / (1 + own + out) *
                                                  (w[2] > 0 ? 1 : (1 + hit) / (1 + hit + out))
@@ -151,81 +134,12 @@ static void count_reflections(double alpha, const heading *from, double shares[3
     }
 }
 
-/* The density of the microfacet that reflects from a to b; 0 if there is none. */
-static double between(double alpha, const double a[3], const double b[3]) {
-    const double sum[3] = {a[0] + b[0], a[1] + b[1], a[2] + b[2]},
-                 squared = sum[0] * sum[0] + sum[1] * sum[1] + sum[2] * sum[2];
-    return sum[2] > 0 && squared > 1e-20 ? mcv_facet_density(alpha, sum[2] * sum[2] / squared) : 0;
-}
-
-/*
- * The integral over the heights of three reflections from o by way of w1 and w2 to i, of which Λ is
- * given, and whether w1 and w2 go up. Light at the share u of the surface below it meets the next
- * microfacet at u' with Λ u^Λ/u'^(1 + Λ) upwards, (1 + Λ) u'^Λ/u^(1 + Λ) down; the factors Λ and 1
- * + Λ are left out.
- */
-static double heights(double o, double w1, bool up1, double w2, bool up2, double i) {
-    const double all = 1 + o + i;
-    if (up1) return 1 / ((1 + o + w1) * (up2 ? 1 + o + w2 : 1 + w2 + i) * all);
-    if (!up2) return 1 / ((1 + i + w1) * (1 + i + w2) * all);
-    double x = o - w1,
-           y = i -
-               w2; /* down, then up: the limits for vanishing values are taken by a small step */
-    if (fabs(x) < 1e-4) w1 = o - (x = 1e-4);
-    if (fabs(y) < 1e-4) w2 = i - (y = 1e-4);
-    return (1 / (1 + w1 + w2) - 1 / (1 + w2 + o) - 1 / (1 + w1 + i) + 1 / all) / (x * y);
-}
-
-/*
- * Three reflections of white microfacets between two directions; c is the cosine between their
- * azimuths. Units are those of add_twice. Two of the three microfacets are chosen among the visible
- * ones by an additive recurrence; the balance heuristic combines the three choices.
- */
+/* Three reflections between two directions, by the cosine between their azimuths. */
 static double thrice(double alpha, const heading *from, const heading *to, double c) {
     enum { CHOICES = 1024 };
-    static const double steps[4] = {0.85667488385450, 0.73389185662717, 0.62870672005510,
-                                    0.53859725722362}; /* g^-k, g^5 = g + 1 */
-    const double o[3] = {from->sine, 0, from->cosine},
+    const double alphas[2] = {alpha, alpha}, o[3] = {from->sine, 0, from->cosine},
                  i[3] = {to->sine * c, to->sine * sqrt(fmax(1 - c * c, 0)), to->cosine};
-    const double all = 1 + from->lambda + to->lambda;
-    double sum = 0;
-    for (int choice = 0; choice < 3 * CHOICES; ++choice) {
-        const int number = choice / 3 + 1;
-        double u[4], w1[3] = {0}, w2[3] = {0}, m1[3] = {0}, m2[3] = {0}, cosine, h[3];
-        for (int k = 0; k < 4; ++k) u[k] = fmod(0.5 + steps[k] * number, 1);
-        const double turn1[2] = {cos(2 * pi * u[1]), sin(2 * pi * u[1])},
-                     turn2[2] = {cos(2 * pi * u[3]), sin(2 * pi * u[3])};
-        const int first = choice % 3; /* 0: one from each end; 1: both from o, 2: both from i */
-        if (first < 2) {
-            mcv_reflect_by_facet(alpha, o, sqrt(u[0]), turn1, w1, &cosine, h);
-            for (int k = 0; k < 3; ++k) m1[k] = -w1[k];
-        } else {
-            mcv_reflect_by_facet(alpha, i, sqrt(u[0]), turn1, m2, &cosine, h);
-            for (int k = 0; k < 3; ++k) w2[k] = -m2[k];
-        }
-        if (first == 0) mcv_reflect_by_facet(alpha, i, sqrt(u[2]), turn2, m2, &cosine, h);
-        if (first == 1) mcv_reflect_by_facet(alpha, m1, sqrt(u[2]), turn2, w2, &cosine, h);
-        if (first == 2) mcv_reflect_by_facet(alpha, w2, sqrt(u[2]), turn2, m1, &cosine, h);
-        for (int k = 0; k < 3; ++k) {
-            if (first == 0) w2[k] = -m2[k];
-            if (first == 1) m2[k] = -w2[k];
-            if (first == 2) w1[k] = -m1[k];
-        }
-        const double d1 = between(alpha, o, w1), d2 = between(alpha, m1, w2),
-                     d3 = between(alpha, m2, i);
-        if (!(d1 > 0 && d2 > 0 && d3 > 0)) continue;
-        const double z1 = fmax(fabs(w1[2]), 1e-12), z2 = fmax(fabs(w2[2]), 1e-12);
-        const double value = d1 * d2 * d3 / (16 * z1 * z2) *
-                             heights(from->lambda, mcv_smith(alpha, z1), w1[2] > 0,
-                                     mcv_smith(alpha, z2), w2[2] > 0, to->lambda);
-        const double p1 = d1 / (4 * from->cosine * (1 + from->lambda)),
-                     p3 = d3 / (4 * to->cosine * (1 + to->lambda));
-        const double middle = d2 / 4, chances = p1 * p3 +
-                                                p1 * middle / mcv_visible_area(alpha, m1) +
-                                                p3 * middle / mcv_visible_area(alpha, w2);
-        if (chances > 0) sum += value / chances;
-    }
-    return all * sum / CHOICES;
+    return mcv_three_reflections(alphas, o, i, CHOICES, 0);
 }
 
 /* Three reflections over two, at every third row and column and some angles; linear interpolation
@@ -279,7 +193,7 @@ static void follow(double alpha, const heading *from, const float *white,
         const double left = (f % RADII + 0.5) / RADII, angle = pi * (around + 0.5) / ANGLES,
                      turn[2] = {cos(angle), sin(angle)};
         double w[3], c, h[3];
-        mcv_reflect_by_facet(alpha, o, left, turn, w, &c, h);
+        mcv_reflect_by_facet((const double[2]){alpha, alpha}, o, left, turn, w, &c, h);
         if (!(w[2] > 0)) continue;
         const double z = fmin(w[2], 1), kept = 2 * left * (1 + from->lambda) /
                                                (1 + from->lambda + mcv_smith(alpha, z));
@@ -351,34 +265,26 @@ static void fill_twice(const surface *work, float *table, float *white) {
             }
 }
 
-double mcv_more_reflections(double reflectance, double left) {
-    return reflectance * (1 - left) / (1 - reflectance * left);
-}
-
 bool mcv_multiple_reflection(double alpha, const double *n, const double *k, float *table) {
     surface *work = malloc(sizeof *work);
     float *white = malloc(sizeof *white * COSINES * COSINES * AZIMUTHS);
     double r[COSINES], more[3], ratios[COARSE][COARSE][TURNS];
     if (work && white) {
         work->alpha = alpha;
-        work->channels = n ? 3 : 0;
-        for (uint32_t c = 0; c < work->channels; ++c)
-            for (uint32_t step = 0; step < STEPS + 2; ++step)
-                work->reflectance[c][step] =
-                    mcv_conductor_fresnel((float)n[c], (float)k[c], fminf((float)step / STEPS, 1));
+        mcv_facet_metal_fill(n, k, &work->metal);
         for (uint32_t row = 0; row < COSINES; ++row)
             fill_node(alpha, mcv_multiple_cosine(row, COSINES), &work->nodes[row]);
         fill_twice(work, table, white);
         fill_ratios(work, white, ratios);
         const double left = find_rest(work, white, ratios, r);
-        for (uint32_t c = 0; c < work->channels; ++c)
+        for (uint32_t c = 0; c < work->metal.channels; ++c)
             more[c] = mcv_more_reflections(mcv_conductor_mean(n[c], k[c]), left);
         for (uint32_t entry = 0; entry < COSINES * COSINES * AZIMUTHS; ++entry) {
             const uint32_t row = entry / AZIMUTHS / COSINES, column = entry / AZIMUTHS % COSINES;
             const double rest =
                 r[row] * r[column] * ratio_at(ratios, row, column, entry % AZIMUTHS);
             float *at = table + (size_t)WORDS * entry;
-            for (uint32_t c = 0; c < work->channels; ++c)
+            for (uint32_t c = 0; c < work->metal.channels; ++c)
                 at[c] = (float)((double)at[c] * (1 + rest * more[c]));
             at[WORDS - 1] = (float)((double)white[entry] * rest);
         }

@@ -22,6 +22,16 @@ uint32_t mcv_multiple_words(void);
  */
 bool mcv_multiple_reflection(double alpha, const double *n, const double *k, float *table);
 
+/* Floats of a brushed metal's table. */
+uint32_t mcv_multiple_brushed_words(void);
+
+/*
+ * The same as mcv_multiple_reflection for a metal of two α, along the tangent and across. Entries
+ * are for pairs of directions, at the places of MCV_BRUSHED_MIDDLES
+ * (mcvisi/materials/microfacet.h).
+ */
+bool mcv_multiple_brushed(const double alpha[2], const double *n, const double *k, float *table);
+
 /* Floats of an interface's table. */
 uint32_t mcv_interface_words(void);
 
@@ -35,11 +45,5 @@ uint32_t mcv_interface_words(void);
  */
 bool mcv_multiple_interface(double alpha, double n_outside, double n_inside, double coating,
                             float *table);
-
-/*
- * Three and more reflections over two, for a mean reflectance: Σ over 3, 4 …, before each of which
- * the share `left` remains.
- */
-double mcv_more_reflections(double reflectance, double left);
 
 #endif

@@ -65,7 +65,7 @@ static inline float reflectance(float eta, float scale, float offset, float c) {
  */
 static void connect(const interface *at, int start, uint32_t row, const walker *w, goals sums) {
     const int own = start ^ w->side;
-    const double seen = mcv_visible_area(at->alpha, w->back);
+    const double seen = mcv_visible_area((const double[2]){at->alpha, at->alpha}, w->back);
     const double forced = w->back[2] > 0 ? 1 - pow(w->below, mcv_smith(at->alpha, w->back[2])) : 1;
     const float x = (float)w->back[0], y = (float)w->back[1], z = (float)w->back[2];
     const float n1 = (float)at->n[own], n2 = (float)at->n[!own], eta = n1 / n2;
@@ -116,7 +116,8 @@ static void turn_by_facet(const interface *at, int start, walker *w, const doubl
                  eta = at->n[own] / at->n[!own];
     double o[3], c, h[3];
     memcpy(o, w->back, sizeof o);
-    mcv_reflect_by_facet(at->alpha, o, sqrt(chances[0]), turn, w->back, &c, h);
+    mcv_reflect_by_facet((const double[2]){at->alpha, at->alpha}, o, sqrt(chances[0]), turn,
+                         w->back, &c, h);
     const double share =
         (double)reflectance((float)eta, (float)at->scale[own], (float)at->offset[own], (float)c);
     const double density = mcv_facet_density(at->alpha, h[2] * h[2]);
@@ -192,7 +193,7 @@ static double walk(const interface *at, int start, uint32_t row, goals sums) {
         turn_by_facet(at, start, &w, chances, (int)(number & 1), true);
         if (!(w.weight > 0)) continue;
         const double leaving[3] = {-w.back[0], -w.back[1], -w.back[2]};
-        w.first_seen = mcv_visible_area(at->alpha, leaving);
+        w.first_seen = mcv_visible_area((const double[2]){at->alpha, at->alpha}, leaving);
         for (int meeting = 1; meeting < MEETINGS && go_on(at, &w, meeting == 1, next(&n));
              ++meeting) {
             if (meeting == 1) goes_on += w.weight / WALKS;
@@ -231,7 +232,7 @@ static void follow_near(const interface *at, const double *words, uint32_t row,
         const double left = (ring + 0.5) / RADII, angle = pi * (sector + 0.5) / ANGLES,
                      turn[2] = {cos(angle), sin(angle)};
         double w[3], h[3], c;
-        mcv_reflect_by_facet(at->alpha, o, left, turn, w, &c, h);
+        mcv_reflect_by_facet((const double[2]){at->alpha, at->alpha}, o, left, turn, w, &c, h);
         if (!(w[2] > 0)) continue;
         const double z = fmin(w[2], 1), across = hypot(w[0], w[1]),
                      half = across > 0 ? sqrt(fmax(0.5 + 0.5 * w[0] / across, 0)) : 1;

@@ -139,7 +139,9 @@ double ref_gloss_evaluate(const ref_gloss *g, ref_vec o, ref_vec i, double value
         const double facets = ref_ggx(l.alpha, h) * c / o.z * jacobian,
                      own = ref_lambda(l.alpha, o);
         double words[MCV_MULTIPLE_WORDS] = {0};
-        if (g->table->orders && !far)
+        if (g->table->orders && !far && l.alpha[0] != l.alpha[1])
+            ref_brushed_at(g->table->orders, l.alpha, o, i, words);
+        else if (g->table->orders && !far)
             ref_orders_at(g->table->orders, glass ? MCV_INTERFACE_COSINES : MCV_MULTIPLE_COSINES,
                           g->table->albedos.roughnesses > 1
                               ? g->roughness * (MCV_MULTIPLE_ROUGHNESSES - 1)

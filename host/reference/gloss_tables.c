@@ -7,7 +7,7 @@
 #include <stdlib.h>
 
 #include "device/multiple.h"
-#include "mcvisi/materials/microfacet.h"
+#include "mcvisi/materials/brushed.h"
 #include "reference/gloss_microfacet.h"
 
 enum { COSINES = 100, AZIMUTHS = 25, ROUGHNESSES = 33, NORMALS = 64, DRAFT_NORMALS = 16 };
@@ -56,6 +56,51 @@ void ref_orders_at(const float *orders, int n, double roughness, ref_vec o, ref_
                  next);
         for (int word = 0; word < MCV_MULTIPLE_WORDS; ++word)
             words[word] += weight * (double)at[word];
+    }
+}
+
+/* The place of |d| on its axis (mcvisi/materials/brushed.h); `upright` is the mirror image's
+ * height. */
+static double brushed_place(double d, double m, double alpha, double upright) {
+    const double v = m < 1 ? fmin(fabs(d) / (1 - m), 1) : 0,
+                 k = MCV_BRUSHED_WIDTH * alpha * upright / fmax(1 - m, 1e-12);
+    return (MCV_BRUSHED_HALVES - 1) * (v * (1 + k) / (v + k) + 1 - sqrt(1 - v)) / 2;
+}
+
+void ref_brushed_at(const float *orders, const double alpha[2], ref_vec o, ref_vec i,
+                    double words[MCV_MULTIPLE_WORDS]) {
+    enum { M = MCV_BRUSHED_MIDDLES, D = MCV_BRUSHED_HALVES };
+    static const int counts[4] = {M, M, D, 2 * D - 1};
+    const ref_vec w[2] = {o, {i.x, i.y, fabs(i.z)}};
+    double p[2][2], m[2], d[2], upright = 1, places[4];
+    for (int k = 0; k < 2; ++k) { /* tan(θ/2) */
+        p[k][0] = tan(atan2(w[k].x, w[k].z) / 2);
+        p[k][1] = tan(atan2(w[k].y, hypot(w[k].x, w[k].z)) / 2);
+    }
+    bool turned = false;
+    for (int axis = 0; axis < 2; ++axis) {
+        m[axis] = fabs(p[0][axis] - p[1][axis]) / 2;
+        d[axis] = (p[0][axis] + p[1][axis]) / 2;
+        turned ^= (p[0][axis] < p[1][axis]) ^ (d[axis] < 0);
+        upright *= cos(2 * atan(m[axis]));
+    }
+    upright += (double)MCV_BRUSHED_LEAST;
+    for (int axis = 0; axis < 2; ++axis) {
+        places[axis] = (M - 1) * (1 - sqrt(fmax(1 - m[axis], 0)));
+        places[2 + axis] = brushed_place(d[axis], m[axis], alpha[axis], upright);
+    }
+    places[3] = D - 1 + (turned ? -places[3] : places[3]);
+    for (int word = 0; word < MCV_MULTIPLE_WORDS; ++word) words[word] = 0;
+    for (int corner = 0; corner < 16; ++corner) {
+        double weight = 1;
+        size_t at = 0;
+        for (int axis = 0; axis < 4; ++axis) {
+            const int low = (int)fmin(places[axis], counts[axis] - 2), next = corner >> axis & 1;
+            weight *= next ? places[axis] - low : 1 - (places[axis] - low);
+            at = at * (size_t)counts[axis] + (size_t)(low + next);
+        }
+        for (int word = 0; word < MCV_MULTIPLE_WORDS; ++word)
+            words[word] += weight * (double)orders[MCV_MULTIPLE_WORDS * at + (size_t)word];
     }
 }
 
@@ -182,7 +227,7 @@ static bool albedos_new(ref_albedos *albedos, const mcv_material *material, doub
 }
 
 /* Tables of multiple scattering at each roughness, where the material is a metal or glass that has
- * no direction. */
+ * no direction; of brushed metal with one roughness. */
 static bool orders_new(const mcv_material *material, double outside, float **orders) {
     const mcv_roughness roughness = mcv_material_roughness(material);
     const bool conductor = material->type == MCV_MATERIAL_CONDUCTOR,
@@ -193,21 +238,24 @@ static bool orders_new(const mcv_material *material, double outside, float **ord
         mcv_material_surface_texture(material) != MCV_NONE ? MCV_MULTIPLE_ROUGHNESSES : 1;
     bool made = true;
     *orders = NULL;
-    if (roughness.anisotropy > 0 ||
-        !(outside > 0 || conductor || (layered && material->as.metallic_roughness.metallic > 0)))
-        return true;
-    *orders = malloc(sizeof(float) * (outside > 0 ? mcv_interface_words() : mcv_multiple_words()) *
-                     count);
+    const bool brushed = roughness.anisotropy > 0,
+               metal = conductor || (layered && material->as.metallic_roughness.metallic > 0);
+    if (brushed ? !metal || count > 1 : !(outside > 0 || metal)) return true;
+    *orders = malloc(sizeof(float) * count *
+                     (brushed       ? mcv_multiple_brushed_words()
+                      : outside > 0 ? mcv_interface_words()
+                                    : mcv_multiple_words()));
     for (uint32_t i = 0; *orders && i < count; ++i) {
         double alpha[2];
         ref_alphas(&roughness, count > 1 ? i / (count - 1.0) : 1, alpha);
         float *table = *orders + (size_t)i * mcv_multiple_words();
         made =
             made &&
-            (outside > 0 ? mcv_multiple_interface(alpha[1], outside,
-                                                  material->as.dielectric.ior[MCV_ALBEDO_CHANNEL],
-                                                  mcv_material_coating(material, outside), table)
-                         : mcv_multiple_reflection(alpha[1], n, k, table));
+            (brushed       ? mcv_multiple_brushed(alpha, n, k, table)
+             : outside > 0 ? mcv_multiple_interface(alpha[1], outside,
+                                                    material->as.dielectric.ior[MCV_ALBEDO_CHANNEL],
+                                                    mcv_material_coating(material, outside), table)
+                           : mcv_multiple_reflection(alpha[1], n, k, table));
     }
     return *orders && made;
 }

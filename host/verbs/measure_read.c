@@ -172,9 +172,12 @@ mcv_result mcv_subject_scale_by_scene(mcv_subject *s, mcv_error *error) {
     MCV_TRY(mcv_camera_model_of(s->scene, sensor, &model, error));
     take_model(s, &model);
     if (!s->has_model)
-        return mcv_fail(error, MCV_BAD_INPUT, "%s has %u x %u pixels, but sensor %s of %s %u x %u",
-                        s->picture->path, s->readings.values.width, s->readings.values.height,
-                        sensor->name, s->scene->path, width, height);
+        return mcv_fail(
+            error, MCV_BAD_INPUT,
+            "%s has %u x %u pixels, but sensor %s of %s %u x %u: take an image rendered "
+            "from the scene without --resolution",
+            s->picture->path, s->readings.values.width, s->readings.values.height, sensor->name,
+            s->scene->path, width, height);
     if (!(mcv_sensor_optics(sensor).magnification > 0))
         return mcv_fail(error, MCV_BAD_INPUT, "%s: sensor %s has no plane in focus to measure in",
                         s->scene->path, sensor->name);

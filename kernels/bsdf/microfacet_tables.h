@@ -4,6 +4,7 @@
 #ifndef MCVISI_KERNELS_MICROFACET_TABLES_H
 #define MCVISI_KERNELS_MICROFACET_TABLES_H
 
+#include "mcvisi/materials/brushed.h"
 #include "mcvisi/materials/microfacet.h"
 #include "world.h"
 
@@ -147,6 +148,20 @@ MCV_LOOP_FUNCTION float mcv_metal_word(const mcv_device_gloss *m, float layer,
     return mcv_fma(at - (float)low, above - below, below);
 }
 
+/* What Schlick's words of an entry are together: of f², f and 1 in two reflections, and of further
+ * ones. */
+MCV_LOOP_FUNCTION mcv_color mcv_schlick_multiple(const mcv_gloss *gloss, mcv_color more,
+                                                 float square, float linear, float least,
+                                                 float rest) {
+    mcv_color multiple;
+    MCV_EACH_CHANNEL(c) {
+        const float b = gloss->base.c[c];
+        multiple.c[c] = gloss->metallic *
+                        mcv_fma(more.c[c], rest, mcv_fma(b, mcv_fma(b, square, linear), least));
+    }
+    return multiple;
+}
+
 /*
  * What leaves towards i after two and more meetings with microfacets: on o's side over what white
  * ones send there by one, on the other (far) over 1/(o_z (1 + Λ(o)) (1 + Λ(i))). Both directions
@@ -169,8 +184,16 @@ MCV_LOOP_FUNCTION mcv_color mcv_gloss_multiple(const mcv_device_gloss *m, const 
         return mcv_grey(mcv_multiple_word(tables, place));
     }
 #endif
-    const mcv_multiple_place place = mcv_find_multiple(MCV_MULTIPLE_COSINES, o, i);
     __global const float *table = tables + m->multiple;
+    if (m->azimuths > 1) {
+        const mcv_brushed_words at = mcv_brushed_at(table, mcv_find_brushed(gloss->alpha, o, i));
+        if (gloss->type != MCV_MATERIAL_CONDUCTOR)
+            return mcv_schlick_multiple(gloss, more, at.word[0], at.word[1], at.word[2],
+                                        at.word[3]);
+        MCV_EACH_CHANNEL(c) multiple.c[c] = at.word[c];
+        return multiple;
+    }
+    const mcv_multiple_place place = mcv_find_multiple(MCV_MULTIPLE_COSINES, o, i);
     if (gloss->type == MCV_MATERIAL_CONDUCTOR) {
         MCV_EACH_CHANNEL(c) multiple.c[c] = mcv_metal_word(m, gloss->layer, table + c, place);
         return multiple;
@@ -179,19 +202,15 @@ MCV_LOOP_FUNCTION mcv_color mcv_gloss_multiple(const mcv_device_gloss *m, const 
     const float linear = mcv_metal_word(m, gloss->layer, table + 1, place);
     const float least = mcv_metal_word(m, gloss->layer, table + 2, place);
     const float rest = mcv_metal_word(m, gloss->layer, table + 3, place);
-    MCV_EACH_CHANNEL(c) {
-        const float b = gloss->base.c[c];
-        multiple.c[c] = gloss->metallic *
-                        mcv_fma(more.c[c], rest, mcv_fma(b, mcv_fma(b, square, linear), least));
-    }
-    return multiple;
+    return mcv_schlick_multiple(gloss, more, square, linear, least, rest);
 }
 
 /* Is there a table of multiple scattering? Metal and glass without a direction have one, which is
- * known beforehand of plain surfaces. */
+ * known beforehand of plain surfaces; and brushed metal of one roughness. */
 MCV_LOOP_FUNCTION int mcv_has_multiple(const mcv_device_gloss *m, const mcv_gloss *gloss) {
-    return gloss->type == MCV_MATERIAL_METALLIC_ROUGHNESS ? m->multiple != MCV_NONE
-                                                          : m->azimuths == 1;
+    const int tabulated = m->multiple != MCV_NONE;
+    if (gloss->type == MCV_MATERIAL_METALLIC_ROUGHNESS) return tabulated;
+    return (m->azimuths == 1) | ((gloss->type == MCV_MATERIAL_CONDUCTOR) & tabulated);
 }
 
 #endif

@@ -97,7 +97,7 @@ static void add_patches(mcv_scene *scene, unsigned kinds) {
     } patches[] = {
         {SMOOTH_PATCHES | GLASS_PATCH,
          MCV_MATERIAL_DIELECTRIC,
-         {.as.dielectric = {{1.5, 1.5, 1.5}, {1, 1, 1}, 0, 0, 0, 0, 0.005}}},
+         {.as.dielectric = {{1.5, 1.5, 1.5}, {1, 1, 1}, .coating = 0.005}}},
         {SMOOTH_PATCHES, MCV_MATERIAL_SHEET, {.as.sheet = {1.5, {1, 1, 1}}}},
         {SMOOTH_PATCHES, MCV_MATERIAL_MIRROR, {.as.mirror = {{1, 1, 1}}}},
         {SPREADING_PATCHES,

@@ -8,8 +8,9 @@
  * Light that several microfacets reflect is tabulated from random walks between microfacets (Heitz
  * et al. 2016, host/device/multiple.c), so that a metal that absorbs nothing stays white.
  * `anisotropy` s in (0, 1] describes brushed and turned metal: it widens the highlight along the
- * mesh's tangent, α_t = α + (1 - α) s² (KHR_materials_anisotropy). There multiple reflection is
- * right in its sum only (Kulla and Conty 2017).
+ * mesh's tangent, α_t = α + (1 - α) s² (KHR_materials_anisotropy). Its multiple reflection is
+ * tabulated for pairs of directions (mcvisi/materials/brushed.h); where a texture gives the
+ * roughness it is right in its sum only (Kulla and Conty 2017).
  *
  * n and k are given as numbers or by the name of a metal. A name takes them from the table in
  * host/scene/metals.c at the wavelengths of the scene (MCVISI_spectrum, docs/scene-format.md).
