@@ -18,8 +18,7 @@
 #define MCV_TILE 0
 #endif
 
-/* Whether the origins of the rays that go on are worked out for many paths at once, after all else.
- */
+/* Whether the origins of rays that go on are worked out for many paths at once, after all else. */
 #define MCV_OFFSETS_TOGETHER (MCV_TILE && !MCV_WITH_MIXED)
 
 /* A sample's path splits at the first surfaces of glass, sheets and beam splitters that it meets,
@@ -64,8 +63,7 @@
     X(hit, 4)                              /* t, u, v, triangle */ \
     X(drawn, 6 * MCV_TILE)                 /* the surface's pairs of random numbers */ \
     X(reflectance, MCV_CHANNELS *MCV_TILE) /* of a diffuse surface; base colour of a glossy one */ \
-    X(polish, 2 * MCV_TILE * MCV_WITH_GLOSS * MCV_WITH_TEXTURE) /* of a glossy one: what an image \
-                                                     makes of its roughness and metallic share */ \
+    X(polish, 2 * MCV_TILE * MCV_WITH_GLOSS * MCV_WITH_TEXTURE) /* as in mcv_polish */ \
     X(bounce, 4 * MCV_TILE) /* the direction in which the surface reflects if it is diffuse, and \
                                its density */ \
     X(point, 3 * MCV_TILE)  /* of the surface, as in mcv_surface */ \
@@ -77,9 +75,8 @@
     X(inside, MCV_TILE)                /* and how the ray sees it, as in mcv_interaction */ \
     X(face, 3 * MCV_TILE) \
     X(normal, 3 * MCV_TILE) \
-    X(contact, 3 * MCV_TILE * MCV_WITH_CONTACT) /* what is in the same place, as in */ \
-    X(beyond_point, \
-      3 * MCV_TILE * MCV_WITH_CONTACT) /* mcv_interaction: exited, entered, touched */ \
+    X(contact, 3 * MCV_TILE * MCV_WITH_CONTACT) /* exited, entered, touched; and more of them */ \
+    X(beyond_point, 3 * MCV_TILE * MCV_WITH_CONTACT) \
     X(beyond_error, 3 * MCV_TILE * MCV_WITH_CONTACT) \
     X(touched_face, 3 * MCV_TILE * MCV_WITH_CONTACT) \
     X(gloss_known, MCV_TILE *MCV_WITH_GLOSS)
@@ -114,8 +111,7 @@
     X(light_class, MCV_LIGHT_ROWS)              /* MCV_LIGHT_… */ \
     X(light_length, MCV_LIGHT_ROWS)             /* so far [m] */
 
-/* Whether light paths lie in rows. Where beams come to the lens by themselves or colours part, they
- * are traced one by one. */
+/* Whether light paths lie in rows: not where beams come to the lens themselves or colours part. */
 #define MCV_LIGHT_ROWS \
     (MCV_OFFSETS_TOGETHER && MCV_WITH_LIGHT_TRACING && MCV_WITH_NEXT_EVENT && !MCV_WITH_BEAM && \
      !MCV_WITH_DISPERSION)
