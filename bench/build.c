@@ -330,8 +330,8 @@ typedef struct mesh_bench {
 } mesh_bench;
 
 static mcv_result bench_seconds_of(mesh_bench *m) {
-    bench_side sides[2 + QUALITIES] = {{our_run, &m->ours, {{{0}}}},
-                                       {builder_run, m->builders + MEDIUM, {{{0}}}}};
+    bench_side sides[2 + QUALITIES] = {{our_run, &m->ours, {{{0}}}, 0},
+                                       {builder_run, m->builders + MEDIUM, {{{0}}}, 0}};
     const double triangles = m->w->mesh.triangle_count;
     for (int q = 0; q < QUALITIES; ++q)
         sides[2 + q] = (bench_side){.run = commit_run, .user = m->scenes[q]};

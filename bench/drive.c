@@ -76,10 +76,9 @@ drive_options drive_defaults(uint32_t schedule) {
 }
 
 /*
- * All that has no cost where it is not met. Precision, whether pupils aim, paths
- * split, roulette is early, light paths are traced and emitters are weighed at each surface is a
- * choice, not an element; an environment's image and emitters there must be to look for; in glass
- * that disperses a path follows one channel only.
+ * The features of all elements. Left out are choices of a technique (precision, pupil guiding,
+ * splitting, early roulette, light paths, emitter selection), an environment's image, which must
+ * exist to be sampled, and dispersion, with which a path keeps one channel.
  */
 static uint32_t all_features(const mcv_packed *packed) {
     const uint32_t not_elements = 1u << MCV_FEATURE_AIM | 1u << MCV_FEATURE_LIGHT_TRACING |
@@ -123,7 +122,7 @@ static mcv_result add_buffers(mcv_cl *cl, mcv_device_scene *device, mcv_error *e
     return result;
 }
 
-/* Builds the program again, with its clock, and makes room for what it tells. */
+/* Builds the program again, with its clock, and makes room for its readings. */
 static mcv_result add_clock(drive *d, const mcv_render_options *options, mcv_error *error) {
     char defines[1024];
     mcv_schedule *s = &d->schedule;
@@ -210,22 +209,42 @@ mcv_result drive_run(void *user, mcv_error *error) {
     return mcv_cl_read(d->cl, d->schedule.sums, 0, d->sum_count * sizeof *d->sums, d->sums, error);
 }
 
-/* Each stage's share of the ticks of all slices, of the seconds that the launch took. */
-static mcv_result clock_seconds(drive *d, double seconds[STAGE_COUNT], mcv_error *error) {
-    const size_t slices = (d->frame.path_count + d->schedule.slice - 1) / d->schedule.slice;
-    const size_t count = slices * STAGE_COUNT;
+static size_t tick_count(const drive *d) {
+    return (d->frame.path_count + d->schedule.slice - 1) / d->schedule.slice * STAGE_COUNT;
+}
+
+mcv_result drive_least_ticks(drive *d, cl_uint **least, mcv_error *error) {
+    const size_t count = tick_count(d), before = count / STAGE_COUNT * MCV_COUNTER_COUNT;
     cl_uint *ticks = malloc(count * sizeof *ticks);
     if (!ticks) return mcv_fail(error, MCV_FAILED, "no memory for the ticks");
-    const mcv_result result =
-        mcv_cl_read(d->cl, d->schedule.counters, sizeof *ticks * slices * MCV_COUNTER_COUNT,
-                    count * sizeof *ticks, ticks, error);
+    const mcv_result result = mcv_cl_read(d->cl, d->schedule.counters, sizeof *ticks * before,
+                                          count * sizeof *ticks, ticks, error);
+    for (size_t i = 0; *least && i < count; ++i)
+        if (ticks[i] < (*least)[i]) (*least)[i] = ticks[i];
+    if (*least)
+        free(ticks);
+    else
+        *least = ticks;
+    return result;
+}
+
+void drive_shares_of_ticks(const drive *d, const cl_uint *ticks, double shares[STAGE_COUNT]) {
     double total = 0;
-    for (size_t i = 0; result == MCV_OK && i < count; ++i) {
-        seconds[i % STAGE_COUNT] += ticks[i];
+    for (int k = 0; k < STAGE_COUNT; ++k) shares[k] = 0;
+    for (size_t i = 0; i < tick_count(d); ++i) {
+        shares[i % STAGE_COUNT] += ticks[i];
         total += ticks[i];
     }
-    for (int i = 0; i < STAGE_COUNT && total > 0; ++i)
-        seconds[i] *= d->stats.stages[0].seconds / total;
+    for (int k = 0; k < STAGE_COUNT && total > 0; ++k) shares[k] /= total;
+}
+
+/* Each stage's share of the ticks of the last run, of the seconds that the launch took. */
+static mcv_result clock_seconds(drive *d, double seconds[STAGE_COUNT], mcv_error *error) {
+    cl_uint *ticks = NULL;
+    const mcv_result result = drive_least_ticks(d, &ticks, error);
+    if (result == MCV_OK) drive_shares_of_ticks(d, ticks, seconds);
+    for (int i = 0; i < STAGE_COUNT && result == MCV_OK; ++i)
+        seconds[i] *= d->stats.stages[0].seconds;
     free(ticks);
     return result;
 }

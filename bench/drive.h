@@ -60,6 +60,13 @@ enum {
 };
 extern const char *const stage_names[STAGE_COUNT];
 
+/* The least ticks of each slice and stage of all calls, one after each run of a tile schedule with
+ * its clock: what other programs took is not in them. Free *least; NULL: the first call. */
+mcv_result drive_least_ticks(drive *d, cl_uint **least, mcv_error *error);
+
+/* Each stage's share of them. */
+void drive_shares_of_ticks(const drive *d, const cl_uint *ticks, double shares[STAGE_COUNT]);
+
 /* Seconds of each stage in the last run; of a tile schedule only with its clock. */
 mcv_result drive_stage_seconds(drive *d, double seconds[STAGE_COUNT], mcv_error *error);
 

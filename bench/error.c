@@ -1,17 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Error against time: bench_error [--quick] [--only TEXT] [OUTPUT.json], by default beside the
- * program; the plot stands beside it as .png. The quick one has 1 to 256 samples and leaves out the
- * reference.
+ * program; the plot stands beside it as .png. --quick has 1 to 256 samples and leaves out the
+ * reference. docs/benchmarks.md has the method.
  *
- * Five scenes at few pixels, 1 to 16384 samples a pixel: as the device renders them unless told
- * otherwise, with each of its means left out or put in place, with none, and by the reference,
- * which has random points only. The truth is the device's image of 16 times the most samples with
- * another seed. Seconds are those of rendering alone, kernels compiled; one image a point. The
- * summary holds the slopes of RMSE over samples: -1/2 for random numbers.
+ * Five scenes have few pixels and 1 to 16384 samples a pixel. They are rendered as usual, with each
+ * technique replaced or left out, with none, and by the reference, which has random points only.
+ * The truth is the device's image of 16 times the most samples with another seed. Seconds are those
+ * of rendering alone, kernels compiled; each point is one image. The summary holds the slopes of
+ * RMSE over samples: -1/2 for random numbers.
  *
- * Then what a measuring user pays for: how far off an edge is found in telecentric views, against
- * the samples' seconds. Where it is follows from the geometry.
+ * The second part is the cost of a measurement: the error of an edge's position in telecentric
+ * views, against the samples' seconds. The true position follows from the geometry.
  */
 #include "analysis/edge.h"
 #include "convergence.h"

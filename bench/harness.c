@@ -15,15 +15,20 @@ static double seconds_of(clockid_t clock) {
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
 }
 
-bench_seconds bench_now(void) {
-    return (bench_seconds){{seconds_of(CLOCK_MONOTONIC), seconds_of(CLOCK_PROCESS_CPUTIME_ID)}};
+/* By the clocks of a process; 0: of this one. */
+static bench_seconds now_of(pid_t process) {
+    clockid_t clock = CLOCK_PROCESS_CPUTIME_ID;
+    const bool is_gone = process != 0 && clock_getcpuclockid(process, &clock) != 0;
+    return (bench_seconds){{seconds_of(CLOCK_MONOTONIC), is_gone ? NAN : seconds_of(clock)}};
 }
 
-bench_seconds bench_since(bench_seconds start) {
-    const bench_seconds now = bench_now();
+static bench_seconds since(bench_seconds start, bench_seconds now) {
     return (bench_seconds){
         {now.by[BENCH_WALL] - start.by[BENCH_WALL], now.by[BENCH_CPU] - start.by[BENCH_CPU]}};
 }
+
+bench_seconds bench_now(void) { return now_of(0); }
+bench_seconds bench_since(bench_seconds start) { return since(start, bench_now()); }
 
 mcv_result bench_time(const bench *b, bench_side *sides, size_t count, mcv_error *error) {
     for (size_t i = 0; i < count; ++i) MCV_TRY(sides[i].run(sides[i].user, error));
@@ -31,9 +36,9 @@ mcv_result bench_time(const bench *b, bench_side *sides, size_t count, mcv_error
         for (size_t i = 0; i < count; ++i) {
             /* There and back, so that nobody always follows the same neighbour. */
             bench_side *side = sides + (r % 2 ? count - 1 - i : i);
-            const bench_seconds start = bench_now();
+            const bench_seconds start = now_of(side->process);
             MCV_TRY(side->run(side->user, error));
-            side->seconds[r] = bench_since(start);
+            side->seconds[r] = since(start, now_of(side->process));
         }
     }
     return MCV_OK;
@@ -219,8 +224,8 @@ static mcv_result run_and_write(bench *b, const char *name,
     MCV_TRY(mcv_cl_open(NULL, &b->cl, error));
     json_t *report = report_of(b, name);
     mcv_result result = run(b, error);
-    if (result == MCV_OK &&
-        json_dump_file(report, path, JSON_INDENT(1) | JSON_REAL_PRECISION(6)) != 0)
+    if (json_dump_file(report, path, JSON_INDENT(1) | JSON_REAL_PRECISION(6)) != 0 &&
+        result == MCV_OK)
         result = mcv_fail(error, MCV_FAILED, "%s: cannot be written", path);
     json_decref(report);
     mcv_cl_close(&b->cl);
@@ -238,6 +243,8 @@ int bench_main(int argc, char **argv, const char *name,
             b.repetitions = BENCH_QUICK_REPETITIONS;
         } else if (strcmp(argv[i], "--only") == 0 && i + 1 < argc) {
             b.only = argv[++i];
+        } else if (strcmp(argv[i], "--seed") == 0 && i + 1 < argc) {
+            b.seed = (unsigned)strtoul(argv[++i], NULL, 10);
         } else {
             output = argv[i];
         }

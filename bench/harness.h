@@ -10,6 +10,7 @@
 #define MCVISI_BENCH_HARNESS_H
 
 #include <jansson.h>
+#include <sys/types.h>
 
 #include "cl/cl.h"
 
@@ -24,6 +25,7 @@ typedef enum bench_clock { BENCH_WALL, BENCH_CPU } bench_clock;
 typedef struct bench {
     bool quick;       /* --quick: smaller cases, for development */
     const char *only; /* --only TEXT: only scenes of such a name; NULL: all */
+    unsigned seed;    /* --seed N: the variant of generated scenes */
     int repetitions;
     mcv_cl cl; /* the first device, all of its cores */
     json_t *rows, *summary;
@@ -39,12 +41,14 @@ typedef struct bench_side {
     mcv_result (*run)(void *user, mcv_error *error);
     void *user;
     bench_seconds seconds[BENCH_REPETITIONS]; /* of each repetition */
+    pid_t process; /* the one that works, whose time BENCH_CPU is; 0: this one */
 } bench_side;
 
 /*
- * main of a benchmark: PROGRAM [--quick] [--only TEXT] [OUTPUT.json], by default beside the
- * program. Opens the device, runs, and writes rows, summary, device, driver, compiler, commit,
- * cores and the load that the machine had at the beginning.
+ * main of a benchmark: PROGRAM [--quick] [--only TEXT] [--seed N] [OUTPUT.json], by default beside
+ * the program. Opens the device, runs, and writes rows, summary, device, driver, compiler, commit,
+ * cores and the load that the machine had at the beginning; also where the run failed, of what it
+ * had until then.
  */
 int bench_main(int argc, char **argv, const char *name,
                mcv_result (*run)(bench *b, mcv_error *error));

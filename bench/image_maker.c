@@ -14,9 +14,11 @@ enum { REFERENCE_REPLICATES = 16, REFERENCE_FACTOR = 64, REFERENCE_SEED = 100000
  * ------------------------------------------------------------------------------------------------------
  */
 
-mcv_result peer_open(const char *variant, const char *mesh_path, const char *folder, peer *p,
-                     mcv_error *error) {
+mcv_result peer_open(const char *variant, const char *mesh_path, const char *folder, unsigned seed,
+                     peer *p, mcv_error *error) {
     int to[2], from[2];
+    char number[16];
+    snprintf(number, sizeof number, "%u", seed);
     if (pipe2(to, O_CLOEXEC) != 0 || pipe2(from, O_CLOEXEC) != 0)
         return mcv_fail(error, MCV_FAILED, "no pipe to Mitsuba");
     p->process = fork();
@@ -25,7 +27,7 @@ mcv_result peer_open(const char *variant, const char *mesh_path, const char *fol
         dup2(to[0], STDIN_FILENO);
         dup2(from[1], STDOUT_FILENO);
         execl(PYTHON, PYTHON, MCV_SOURCE_DIR "/bench/render_peer.py", variant, mesh_path, folder,
-              (char *)NULL);
+              number, (char *)NULL);
         _exit(127);
     }
     close(to[0]);
@@ -39,6 +41,7 @@ void peer_close(peer *p) {
     if (p->to) fclose(p->to);
     if (p->from) fclose(p->from);
     if (p->process > 0) waitpid(p->process, NULL, 0);
+    *p = (peer){0};
 }
 
 /* --- one image of one renderer
@@ -55,7 +58,7 @@ static mcv_result peer_image(const image_maker *m, double *values, size_t count,
 }
 
 static mcv_result peer_film(const image_maker *m, mcv_film *film, mcv_error *error) {
-    MCV_TRY(mcv_film_new(film, m->pixels, m->pixels, 3, 1, error));
+    MCV_TRY(mcv_film_new(film, m->pixels, m->pixels, m->channels, 1, error));
     film->samples = 1;
     const mcv_result result = peer_image(m, film->sums, film_values(film), error);
     if (result != MCV_OK) mcv_film_free(film);
@@ -106,7 +109,8 @@ mcv_result make_truth(image_maker maker, mcv_film *film, mcv_error *error) {
     maker.samples = maker.samples * factor / REFERENCE_REPLICATES;
     maker.seed = REFERENCE_SEED;
     if (!maker.peer) return our_image(&maker, REFERENCE_REPLICATES, film, error);
-    MCV_TRY(mcv_film_new(film, maker.pixels, maker.pixels, 3, REFERENCE_REPLICATES, error));
+    MCV_TRY(mcv_film_new(film, maker.pixels, maker.pixels, maker.channels, REFERENCE_REPLICATES,
+                         error));
     film->samples = 1;
     for (uint32_t r = 0; r < REFERENCE_REPLICATES; ++r, ++maker.seed)
         MCV_TRY(peer_image(&maker, film->sums + r * film_values(film), film_values(film), error));

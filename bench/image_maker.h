@@ -16,9 +16,9 @@ typedef struct peer {
     FILE *to, *from;
     pid_t process;
 } peer;
-mcv_result peer_open(const char *variant, const char *mesh_path, const char *folder, peer *p,
-                     mcv_error *error);
-void peer_close(peer *p);
+mcv_result peer_open(const char *variant, const char *mesh_path, const char *folder, unsigned seed,
+                     peer *p, mcv_error *error);
+void peer_close(peer *p); /* or what is left of it; none: {0} */
 
 typedef struct image_maker {
     peer *peer; /* NULL: ours */
@@ -33,7 +33,7 @@ typedef struct image_maker {
     uint32_t replicates;   /* of ours */
     const mcv_film *truth; /* of its own renderer */
     double truth_variance; /* of a value, on average */
-    uint32_t pixels, samples, seed;
+    uint32_t pixels, channels, samples, seed;
     double squares; /* mean squared errors, summed over `images` */
     int images;
 } image_maker;

@@ -1,25 +1,25 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Time to an image of a given error against Mitsuba 3: bench_render [--quick] [--only TEXT]
- * [OUTPUT.json]. Where Mitsuba is not
- * (`./run deps peers`), it says so, and only `sampling_gain` and `adaptive_gain` are measured.
+ * [OUTPUT.json]. Without Mitsuba (`./run deps peers`) only `sampling_gain` and `adaptive_gain` are
+ * measured. docs/benchmarks.md has the method.
  *
- * Scenes that both describe (tests/common/peer_scenes.h, tests/peers/mitsuba_peer.py), three
+ * Both describe the same scenes (tests/common/peer_scenes.h, tests/peers/mitsuba_peer.py): three
  * channels, 32 surfaces a path, all cores, wall clock; scene loaded and kernels compiled before.
- * Mitsuba takes part with each variant, sampler and integrator that fits, of which the best counts:
- * for `samples_per_second` the fastest, for `time_to_rmse` the one that reaches the error first. A
- * sample of Mitsuba's is one path from the camera; in `paths_per_second` ours is, too, without the
- * light paths and branches that a usual sample has.
+ * Mitsuba takes part with each variant, sampler and integrator that fits; the best counts. For
+ * `samples_per_second` that is the fastest, for `time_to_rmse` the first to reach the error. A
+ * sample of Mitsuba's is one path from the camera. For `paths_per_second` ours is one too: without
+ * light paths and branches.
  *
- * Each renderer's truth is its own, of 64 times the samples and another seed, after
- * mcv_compare_films has found no difference between both; the truth's own variance is taken off the
- * mean squared error. The error that both are to reach is the geometric mean of both errors at the
- * same number of samples, and the time is that of the samples that the renderer's own power law
- * asks for, with what each image takes besides.
+ * Each renderer has its own truth, with 64 times the samples and another seed; mcv_compare_films
+ * must find no difference between the two. The truth's variance is subtracted from the mean squared
+ * error. The error to reach is the geometric mean of both errors at the same number of samples. The
+ * number of samples that reaches it follows from each renderer's own power law, and the time from
+ * that number and the time of an image without samples.
  *
- * `sampling_gain` has no peer: RMSE x √seconds of report-clean with random numbers, one way on from
- * each surface and without light paths, over that of a usual render; `adaptive_gain`: of
- * part-backlight (128 x 96 pixels, 64 samples of 4 replicates) without adaptive sampling, over that
+ * `sampling_gain` has no peer: RMSE x √seconds of report-clean with random numbers, without
+ * splitting and without light paths, over that of a usual render. `adaptive_gain` is the same of
+ * part-backlight (128 x 96 pixels, 64 samples of 4 replicates) without adaptive sampling over that
  * with it.
  */
 #include <math.h>
@@ -34,6 +34,7 @@
 #include "convergence.h"
 #include "harness.h"
 #include "image_maker.h"
+#include "racers.h"
 #include "io/png.h"
 #include "peer_scenes.h"
 #include "device/albedo.h"
@@ -47,10 +48,10 @@ typedef enum group { PLAIN, OPTICS, OPENING, CONE, MESH, GROUPS } group;
 static const struct {
     const char *name, *integrator;
     group group;
-    bool is_seen_diffuse; /* light paths reach the camera from all that it sees: ptracer fits */
-    double lost;          /* the most of the light that rough metal sends on to itself, and Mitsuba
-                             loses: measured by mcv_microsurface walks where lamps are low */
-    uint32_t surfaces;    /* that a path may meet, where they are not SURFACES */
+    bool is_seen_diffuse; /* light paths connect all that the camera sees: ptracer fits */
+    double lost;          /* bound of the multiple scattering of rough metal, which Mitsuba leaves
+                             out: by mcv_microsurface walks where emitters are low */
+    uint32_t surfaces;    /* the depth limit, where it is not SURFACES */
 } scenes[] = {{"lens", "path", OPTICS, false, 0, 0},
               {"assembly", "path", PLAIN, false, 0, 0},
               {"satin conductor", "path", PLAIN, false, 0, 0},
@@ -70,11 +71,13 @@ static const struct {
               {"mesh vial", "volpath", MESH, false, 0, 0},
               {"mesh displaced", "path", MESH, true, 0, 8},
               {"mesh lamps", "path", MESH, true, 0, 8},
-              {"mesh plate", "path", MESH, false, 0.1, 0}};
+              {"mesh plate", "path", MESH, false, 0.22, 0},
+              {"mesh tray", "path", MESH, false, 0.1, 0}};
 enum { SCENES = sizeof scenes / sizeof scenes[0] };
 
-enum { LLVM, SCALAR, VARIANTS };
-static const char *const variants[VARIANTS] = {"llvm_ad_rgb", "scalar_rgb"};
+enum { LLVM, SCALAR, MONO, VARIANTS };
+static const char *const variants[VARIANTS] = {"llvm_ad_rgb", "scalar_rgb", "llvm_ad_mono"},
+                         *const variant_names[VARIANTS] = {"llvm", "scalar", "llvm mono"};
 static const char *const samplers[] = {"independent", "multijitter", "ldsampler"};
 enum { SAMPLERS = 3 };
 
@@ -82,44 +85,18 @@ enum { SAMPLERS = 3 };
  * ----------------------------------------------------------------------------------------------------
  */
 
-/* Images of a 64th, a 16th, a quarter and all of the samples; of the quick one's few no 64th. */
-enum { POINTS = 4, FIRST_LOOK = 2 };
-
-/* One of those that take part, and what it showed at each number of samples. */
-typedef struct racer {
-    image_maker maker; /* of all samples */
-    char name[48];
-    bool is_out;
-    double seconds[POINTS], rmse[POINTS];
-} racer;
+enum { FIRST_LOOK = 2, LAST_POINT = RACE_POINTS - 1 };
 
 typedef struct race {
     peer peers[VARIANTS];
     mcv_mesh assembly;
-    bench_mean speed, single_speed, time, uniform_time, time_of[GROUPS];
-    bench_mean mesh_speed, mesh_uniform_time;
-    char left_out[256];
+    race_means means;
+    bench_mean time_of[GROUPS]; /* to an error */
+    char left_out[256], failed[256];
 } race;
 
 /* Our ways, then Mitsuba's. */
 enum { UNIFORM, ADAPTIVE, SINGLE, MOST_RACERS = SINGLE + 1 + VARIANTS * (SAMPLERS + 1) };
-
-/* The exponent of RMSE ~ samples^-exponent between a quarter of the samples and all. It cannot be
- * below that of random numbers: what seems to be is the noise of rare paths. */
-static double exponent_of(const racer *x) {
-    return fmin(fmax(log(x->rmse[POINTS - 2] / x->rmse[POINTS - 1]) / log(4), 0.5), 1);
-}
-
-/* Of so many times all samples: what each image takes, and what each sample does. */
-static double seconds_of(const racer *x, double samples) {
-    const double all = x->seconds[POINTS - 1],
-                 slope = fmin(fmax((all - x->seconds[POINTS - 2]) / 0.75, 0), all);
-    return all - slope + slope * samples;
-}
-
-static double seconds_to(const racer *x, double rmse) {
-    return seconds_of(x, pow(x->rmse[POINTS - 1] / rmse, 1 / exponent_of(x)));
-}
 
 /* Times all that are not out in turns. sides[i] is that of racers[i], or was before it went out. */
 static mcv_result measure_point(const bench *b, racer *racers, bench_side *sides, size_t count,
@@ -130,14 +107,16 @@ static mcv_result measure_point(const bench *b, racer *racers, bench_side *sides
     for (size_t i = 0; i < count; ++i) {
         if (racers[i].is_out) continue;
         makers[n] = racers[i].maker;
-        makers[n].samples >>= 2 * (POINTS - 1 - point);
+        makers[n].samples >>= 2 * (LAST_POINT - point);
         makers[n].seed = 1000 * ((uint32_t)point + 1);
         taking_part[n] = (bench_side){.run = make_image, .user = makers + n};
+        if (makers[n].peer) taking_part[n].process = makers[n].peer->process;
         place[n++] = i;
     }
     MCV_TRY(bench_time(b, taking_part, n, error));
     for (size_t k = 0; k < n; ++k) {
-        racers[place[k]].seconds[point] = bench_side_median(b, taking_part + k, BENCH_WALL);
+        for (int clock = 0; clock < RACE_CLOCKS; ++clock)
+            racers[place[k]].seconds[clock][point] = bench_side_median(b, taking_part + k, clock);
         racers[place[k]].rmse[point] = rmse_of(makers + k);
         sides[place[k]] = taking_part[k];
     }
@@ -157,15 +136,15 @@ static void send_out(const bench *b, racer *racers, const bench_side *sides, siz
         }
 }
 
-/* A first look at all samples, after which those that are too slow go out, with a row of their own.
- * Last all samples again, whose times the sides keep. */
+/* Measures all samples once and drops the racers that are too slow, with a row of their own. Then
+ * measures all samples again; the sides keep these times. */
 static mcv_result measure_all(bench *b, racer *racers, bench_side *sides, size_t count,
                               mcv_error *error) {
     bench look = *b;
     const double values =
         (double)racers->maker.samples * racers->maker.pixels * racers->maker.pixels;
     look.repetitions = FIRST_LOOK;
-    MCV_TRY(measure_point(&look, racers, sides, count, POINTS - 1, error));
+    MCV_TRY(measure_point(&look, racers, sides, count, LAST_POINT, error));
     send_out(&look, racers, sides, count);
     for (size_t i = 0; i < count; ++i) {
         if (!racers[i].is_out) continue;
@@ -174,19 +153,10 @@ static mcv_result measure_all(bench *b, racer *racers, bench_side *sides, size_t
         bench_more(b, "samples", racers->maker.samples);
         bench_more(b, "turns", FIRST_LOOK);
     }
-    for (int point = 0; point < POINTS; ++point)
-        if (racers->maker.samples >> 2 * (POINTS - 1 - point))
+    for (int point = 0; point < RACE_POINTS; ++point)
+        if (racers->maker.samples >> 2 * (LAST_POINT - point))
             MCV_TRY(measure_point(b, racers, sides, count, point, error));
     return MCV_OK;
-}
-
-/* The error that both are to reach is the geometric mean of both errors. */
-static double equal_error(const racer *x, const racer *y) {
-    return sqrt(x->rmse[POINTS - 1] * y->rmse[POINTS - 1]);
-}
-static double time_ratio(const racer *ours, const racer *other) {
-    const double rmse = equal_error(ours, other);
-    return seconds_to(other, rmse) / seconds_to(ours, rmse);
 }
 
 /* Someone beside our two: how fast ours is that is not adaptive, and the time of ours that is. */
@@ -194,28 +164,26 @@ static void note_racer(bench *b, const racer *ours, const bench_side *our_sides,
                        const bench_side *side) {
     const racer *adaptive = ours + ADAPTIVE;
     const image_maker *m = &adaptive->maker;
-    bench_row(b, BENCH_WALL, our_sides + UNIFORM, side, (double)m->samples * m->pixels * m->pixels,
-              "Msamples/s", "%s, %s", m->scene_name, other->name);
+    const double values = (double)m->samples * m->pixels * m->pixels;
+    bench_row(b, BENCH_CPU, our_sides + UNIFORM, side, values, "Msamples/s", "%s, %s",
+              m->scene_name, other->name);
     bench_more(b, "samples", m->samples);
-    bench_more(b, "seconds", adaptive->seconds[POINTS - 1]);
-    bench_more(b, "peer_seconds", other->seconds[POINTS - 1]);
-    bench_more(b, "rmse", adaptive->rmse[POINTS - 1] / mcv_film_mean(m->truth));
-    bench_more(b, "uniform_rmse", ours[UNIFORM].rmse[POINTS - 1] / mcv_film_mean(m->truth));
-    bench_more(b, "peer_rmse", other->rmse[POINTS - 1] / mcv_film_mean(other->maker.truth));
-    bench_more(b, "exponent", exponent_of(adaptive));
-    bench_more(b, "peer_exponent", exponent_of(other));
-    bench_more(b, "time_to_rmse", time_ratio(adaptive, other));
-    bench_more(b, "uniform_time_to_rmse", time_ratio(ours + UNIFORM, other));
-}
-
-static void note_curve(bench *b, const racer *x) {
-    for (int point = 0; point < POINTS; ++point) {
-        const uint32_t samples = x->maker.samples >> 2 * (POINTS - 1 - point);
-        if (samples == 0) continue;
-        bench_number(b, x->rmse[point] / mcv_film_mean(x->maker.truth), NAN, "RMSE/mean",
-                     "%s, %s, %u samples", x->maker.scene_name, x->name, samples);
-        bench_more(b, "curve_seconds", x->seconds[point]);
-    }
+    bench_more(b, "seconds", racer_whole(adaptive, BENCH_WALL));
+    bench_more(b, "peer_seconds", racer_whole(other, BENCH_WALL));
+    bench_more(b, "processor_seconds", racer_whole(adaptive, BENCH_CPU));
+    bench_more(b, "peer_processor_seconds", racer_whole(other, BENCH_CPU));
+    bench_more(b, "ratio_by_wall",
+               racer_whole(other, BENCH_WALL) / racer_whole(ours + UNIFORM, BENCH_WALL));
+    bench_more(b, "rmse", adaptive->rmse[LAST_POINT] / mcv_film_mean(m->truth));
+    bench_more(b, "uniform_rmse", ours[UNIFORM].rmse[LAST_POINT] / mcv_film_mean(m->truth));
+    bench_more(b, "peer_rmse", other->rmse[LAST_POINT] / mcv_film_mean(other->maker.truth));
+    bench_more(b, "exponent", racer_exponent(adaptive));
+    bench_more(b, "peer_exponent", racer_exponent(other));
+    bench_more(b, "time_to_rmse", racer_time_ratio(adaptive, other, BENCH_WALL));
+    bench_more(b, "uniform_time_to_rmse", racer_time_ratio(ours + UNIFORM, other, BENCH_WALL));
+    bench_more(b, "processor_time_to_rmse", racer_time_ratio(adaptive, other, BENCH_CPU));
+    bench_more(b, "uniform_processor_time_to_rmse",
+               racer_time_ratio(ours + UNIFORM, other, BENCH_CPU));
 }
 
 /* --- pictures at equal time
@@ -231,7 +199,9 @@ static void paste(const mcv_film *film, int place, mcv_image *page) {
             for (uint32_t x = 0; x < size; ++x)
                 page->pixels[(c * page->height + y) * page->width + (size + GAP) * (uint32_t)place +
                              x] =
-                    (float)film_value(film, (c * film->height + y / ZOOM) * film->width + x / ZOOM);
+                    (float)film_value(film,
+                                      (c % film->channels * film->height + y / ZOOM) * film->width +
+                                          x / ZOOM);
 }
 
 /* Ours, theirs and the truth side by side, equally bright, as STEM-SCENE.png. */
@@ -267,8 +237,9 @@ static mcv_result time_film(const image_maker *m, mcv_film *film, double *second
 
 /* As many samples as take so long, one at least. */
 static double samples_in(const racer *x, double seconds) {
-    const double all = x->maker.samples, fixed = seconds_of(x, 0), slope = seconds_of(x, 1) - fixed;
-    return fmin(fmax((seconds - fixed) / fmax(slope, 0.1 * x->seconds[POINTS - 1]) * all, 1),
+    const double all = x->maker.samples, fixed = racer_seconds(x, BENCH_WALL, 0),
+                 slope = racer_seconds(x, BENCH_WALL, 1) - fixed;
+    return fmin(fmax((seconds - fixed) / fmax(slope, 0.1 * racer_whole(x, BENCH_WALL)) * all, 1),
                 MOST_TIMES * all);
 }
 
@@ -279,9 +250,11 @@ static mcv_result draw_pictures(bench *b, const racer *ours, const racer *best, 
     mcv_film films[PICTURES] = {{0}, {0}, *ours->maker.truth};
     double seconds[2] = {0, 0};
     const double all = ours->maker.samples,
-                 least = samples_in(ours, fmax(LOOK_SECONDS, seconds_of(best, 1 / all)));
+                 least =
+                     samples_in(ours, fmax(LOOK_SECONDS, racer_seconds(best, BENCH_WALL, 1 / all)));
     makers[0].samples = 1u << (unsigned)ceil(log2(least));
-    makers[1].samples = (uint32_t)samples_in(best, seconds_of(ours, makers[0].samples / all));
+    makers[1].samples =
+        (uint32_t)samples_in(best, racer_seconds(ours, BENCH_WALL, makers[0].samples / all));
     mcv_result result = MCV_OK;
     for (int i = 0; i < 2 && result == MCV_OK; ++i)
         result = time_film(makers + i, films + i, seconds + i, error);
@@ -304,49 +277,73 @@ static mcv_result draw_pictures(bench *b, const racer *ours, const racer *best, 
  * ------------------------------------------------------------------------------------------------------
  */
 
+/* The best of the other side by one clock: at all samples, and to an error of ours that is adaptive
+ * and that is not. */
+typedef struct best_peers {
+    size_t fastest, first, uniform_first;
+} best_peers;
+
+static best_peers find_best(const racer *racers, size_t count, bench_clock clock) {
+    best_peers best = {0, 0, 0};
+    for (size_t i = SINGLE + 1; i < count; ++i) {
+        const racer *x = racers + i;
+        if (x->is_out) continue;
+        if (!best.fastest || racer_whole(x, clock) < racer_whole(racers + best.fastest, clock))
+            best.fastest = i;
+        if (!best.first || racer_time_ratio(racers + ADAPTIVE, x, clock) <
+                               racer_time_ratio(racers + ADAPTIVE, racers + best.first, clock))
+            best.first = i;
+        if (!best.uniform_first ||
+            racer_time_ratio(racers + UNIFORM, x, clock) <
+                racer_time_ratio(racers + UNIFORM, racers + best.uniform_first, clock))
+            best.uniform_first = i;
+    }
+    return best;
+}
+
+static void add_ratios(race *r, group kind, const racer *racers, best_peers best,
+                       bench_clock clock) {
+    const race_set set = kind == MESH ? RACE_MESHES : RACE_ANALYTIC;
+    const double fastest = racer_whole(racers + best.fastest, clock);
+    race_means_add(&r->means, RACE_SAMPLES, set, clock,
+                   fastest / racer_whole(racers + UNIFORM, clock));
+    race_means_add(&r->means, RACE_PATHS, set, clock,
+                   fastest / racer_whole(racers + SINGLE, clock));
+    race_means_add(&r->means, RACE_TIME, set, clock,
+                   racer_time_ratio(racers + ADAPTIVE, racers + best.first, clock));
+    race_means_add(&r->means, RACE_UNIFORM_TIME, set, clock,
+                   racer_time_ratio(racers + UNIFORM, racers + best.uniform_first, clock));
+}
+
 /*
  * For an image of a given error ours is adaptive, in all scenes, as docs/adaptive-sampling.md
  * advises; samples per second are those of the render that is not.
  */
 static mcv_result race_all_sides(bench *b, race *r, int scene, racer *racers, size_t count,
                                  mcv_error *error) {
+    static const char *const clocks[RACE_CLOCKS] = {"time", "processor time"};
     bench_side sides[MOST_RACERS];
     const racer *uniform = racers + UNIFORM, *adaptive = racers + ADAPTIVE;
-    size_t fastest = 0, first = 0, uniform_first = 0;
+    const group kind = scenes[scene].group;
+    size_t first = 0;
     MCV_TRY(measure_all(b, racers, sides, count, error));
-    for (size_t i = ADAPTIVE; i < count; ++i) {
-        const racer *x = racers + i;
-        if (x->is_out) continue;
-        note_racer(b, racers, sides, x, sides + i);
-        if (!x->maker.peer) continue;
-        if (!fastest || x->seconds[POINTS - 1] < racers[fastest].seconds[POINTS - 1]) fastest = i;
-        if (!first || time_ratio(adaptive, x) < time_ratio(adaptive, racers + first)) first = i;
-        if (!uniform_first || time_ratio(uniform, x) < time_ratio(uniform, racers + uniform_first))
-            uniform_first = i;
+    for (size_t i = ADAPTIVE; i < count; ++i)
+        if (!racers[i].is_out) note_racer(b, racers, sides, racers + i, sides + i);
+    for (int clock = RACE_CLOCKS - 1; clock >= 0; --clock) {
+        const best_peers best = find_best(racers, count, clock);
+        const double rmse = racer_equal_error(adaptive, racers + best.first);
+        bench_number(b, racer_seconds_to(adaptive, clock, rmse),
+                     racer_seconds_to(racers + best.first, clock, rmse), "s",
+                     "%s, %s to RMSE %.2g %%", adaptive->maker.scene_name, clocks[clock],
+                     100 * rmse / mcv_film_mean(adaptive->maker.truth));
+        if (kind != CONE) add_ratios(r, kind, racers, best, clock);
+        first = best.first;
     }
-    const racer *best = racers + first;
-    const double rmse = equal_error(adaptive, best);
     for (size_t i = 0; i < count; ++i)
-        if (!racers[i].maker.peer || i == first) note_curve(b, racers + i);
-    bench_number(b, seconds_to(adaptive, rmse), seconds_to(best, rmse), "s",
-                 "%s, time to RMSE %.2g %%", adaptive->maker.scene_name,
-                 100 * rmse / mcv_film_mean(adaptive->maker.truth));
-    bench_mean_add(&r->time_of[scenes[scene].group], time_ratio(adaptive, best));
-    if (scenes[scene].group != CONE) {
-        bench_mean_add(&r->speed,
-                       racers[fastest].seconds[POINTS - 1] / uniform->seconds[POINTS - 1]);
-        bench_mean_add(&r->single_speed,
-                       racers[fastest].seconds[POINTS - 1] / racers[SINGLE].seconds[POINTS - 1]);
-        bench_mean_add(&r->time, time_ratio(adaptive, best));
-        bench_mean_add(&r->uniform_time, time_ratio(uniform, racers + uniform_first));
-    }
-    if (scenes[scene].group == MESH) {
-        bench_mean_add(&r->mesh_speed,
-                       racers[fastest].seconds[POINTS - 1] / uniform->seconds[POINTS - 1]);
-        bench_mean_add(&r->mesh_uniform_time, time_ratio(uniform, racers + uniform_first));
-    }
+        if (!racers[i].maker.peer || i == first) racer_note_curve(b, racers + i);
+    bench_mean_add(&r->time_of[kind], racer_time_ratio(adaptive, racers + first, BENCH_WALL));
     /* So early that there is no look yet. */
-    return draw_pictures(b, uniform, best, error);
+    return draw_pictures(b, uniform, racers + first, error);
 }
 
 /* --- who takes part
@@ -367,15 +364,17 @@ static void add_racer(racer *racers, size_t *count, const image_maker *maker, co
 
 static void add_peer(const race *r, int variant, image_maker maker, racer *racers, size_t *count) {
     maker.peer = (peer *)r->peers + variant;
-    add_racer(racers, count, &maker, "%s %s %s", maker.integrator,
-              variant == LLVM ? "llvm" : "scalar", maker.sampler);
+    add_racer(racers, count, &maker, "%s %s %s", maker.integrator, variant_names[variant],
+              maker.sampler);
 }
 
 /* The panel's light is a plugin in Python, which a scalar variant would ask anew for each ray. The
- * scalar variant takes minutes for a scene of meshes, and was never first. */
+ * scalar variant takes minutes for a scene of meshes, and was never first. A scene without colours
+ * is one of one channel to both. */
 static void add_peers(const race *r, int scene, image_maker maker, racer *racers, size_t *count) {
     const bool llvm_alone = scenes[scene].group == CONE || scenes[scene].group == MESH;
-    for (int v = 0; v < (llvm_alone ? LLVM + 1 : VARIANTS); ++v) {
+    for (int v = 0; v < VARIANTS; ++v) {
+        if ((v == MONO) != (maker.channels == 1) || (v == SCALAR && llvm_alone)) continue;
         maker.integrator = scenes[scene].integrator;
         for (int s = 0; s < SAMPLERS; ++s) {
             maker.sampler = samplers[s];
@@ -404,17 +403,17 @@ static double share_lost(const char *name) {
 }
 
 /*
- * Mitsuba starts rays (1 + |p|) 1500 roundings off surfaces, so that its light is not the same at
- * each scale: the assembly's mean is 0.046979, 0.046997 and 0.047064 at 1, 1/10 and 1/50 of its
- * size (each ± 0.000002), which without an offset, by a line, would be 0.046974 to 0.046975: ours.
- * That bends its means at most so much, twice what was found at size 1.
+ * Mitsuba starts rays (1 + |p|) 1500 roundings off surfaces, so that its image depends on the
+ * scale: the assembly's mean is 0.046979, 0.046997 and 0.047064 at 1, 1/10 and 1/50 of its size
+ * (each ± 0.000002). A line through these gives 0.046974 to 0.046975 without an offset: ours. This
+ * is twice the deviation at size 1.
  */
 static const double OFFSETS = 2e-4;
 
 /*
- * Whether both pictures are the same: by their noise, or by their means but for what offsets bring,
- * and where microfacets are rough, which give the light back that they send on to each other here
- * and lose it there, as if all light had met such a surface once.
+ * Whether both pictures are the same: within their noise, or their means within the effect of the
+ * offsets and of multiple scattering between microfacets, which Mitsuba loses. The bound of the
+ * latter takes all light to have met such a surface once.
  */
 static mcv_result compare_truths(bench *b, int scene, const mcv_film truths[2], bool *agree,
                                  mcv_error *error) {
@@ -433,23 +432,28 @@ static mcv_result compare_truths(bench *b, int scene, const mcv_film truths[2], 
     return MCV_OK;
 }
 
+/* Adds a name to a list of them. */
+static void list_name(char *list, size_t size, const char *name) {
+    const size_t length = strlen(list);
+    snprintf(list + length, size - length, "%s%s", length ? ", " : "", name);
+}
+
 static mcv_result race_scene(bench *b, race *r, int scene, const image_maker *base,
                              mcv_film truths[2], mcv_error *error) {
     racer racers[MOST_RACERS];
     image_maker ours = *base, theirs = *base;
     bool agree;
     size_t count = 0;
-    theirs.peer = r->peers + LLVM;
     /* Only light paths meet a cone of half a degree often enough for a truth. */
     theirs.integrator = scenes[scene].group == CONE ? "ptracer" : scenes[scene].integrator;
     theirs.sampler = samplers[scenes[scene].group == CONE ? 0 : 1];
     MCV_TRY(make_truth(ours, truths, error));
+    ours.channels = theirs.channels = truths->channels;
+    theirs.peer = r->peers + (theirs.channels == 1 ? MONO : LLVM);
     MCV_TRY(make_truth(theirs, truths + 1, error));
     MCV_TRY(compare_truths(b, scene, truths, &agree, error));
     if (!agree) {
-        const size_t length = strlen(r->left_out);
-        snprintf(r->left_out + length, sizeof r->left_out - length, "%s%s", length ? ", " : "",
-                 base->scene_name);
+        list_name(r->left_out, sizeof r->left_out, base->scene_name);
         return MCV_OK;
     }
     ours.truth = truths;
@@ -471,8 +475,9 @@ static mcv_result load_mesh_scene(const bench *b, const char *name, uint32_t pix
                                   mcv_scene **scene, mcv_error *error) {
     char path[sizeof b->stem + 64], command[3 * sizeof path];
     const int folder = snprintf(path, sizeof path, "%s-meshes", b->stem);
-    snprintf(command, sizeof command, PYTHON " '" MCV_SOURCE_DIR "/bench/mesh_scenes.py' '%s' '%s'",
-             path, name);
+    snprintf(command, sizeof command,
+             PYTHON " '" MCV_SOURCE_DIR "/bench/mesh_scenes.py' --seed %u '%s' '%s'", b->seed, path,
+             name);
     if (system(command) != 0)
         return mcv_fail(error, MCV_FAILED, "mesh_scenes.py did not write \"%s\"", name);
     snprintf(path + folder, sizeof path - (size_t)folder, "/%s.gltf", name);
@@ -607,34 +612,54 @@ static mcv_result write_ply(const mesh *m, const char *path, mcv_error *error) {
     return fclose(file) == 0 ? MCV_OK : mcv_fail(error, MCV_FAILED, "%s: cannot be written", path);
 }
 
+static mcv_result open_peers(const bench *b, race *r, mcv_error *error) {
+    char path[sizeof b->stem + 16], folder[sizeof b->stem + 16];
+    snprintf(path, sizeof path, "%s-assembly.ply", b->stem);
+    snprintf(folder, sizeof folder, "%s-meshes", b->stem);
+    for (int v = 0; v < VARIANTS; ++v)
+        MCV_TRY(peer_open(variants[v], path, folder, b->seed, r->peers + v, error));
+    return MCV_OK;
+}
+
+static void close_peers(race *r) {
+    for (int v = 0; v < VARIANTS; ++v) peer_close(r->peers + v);
+}
+
+/* A scene that fails is told, and the others follow, with a Mitsuba that knows nothing of it. */
+static mcv_result race_scenes(bench *b, race *r, mcv_error *error) {
+    for (int i = 0; i < SCENES; ++i) {
+        mcv_error reason = {""};
+        if (b->only && !strstr(scenes[i].name, b->only)) continue;
+        if (open_scene(b, r, i, &reason) == MCV_OK) continue;
+        printf("%s failed: %s\n", scenes[i].name, reason.text);
+        list_name(r->failed, sizeof r->failed, scenes[i].name);
+        close_peers(r);
+        MCV_TRY(open_peers(b, r, error));
+    }
+    return MCV_OK;
+}
+
 static void note_mean(bench *b, const char *key, const bench_mean *mean) {
     if (mean->count) bench_summary(b, key, bench_mean_value(mean));
 }
 
 static mcv_result race_all(bench *b, race *r, const mesh *assembly, mcv_error *error) {
-    char path[sizeof b->stem + 16], folder[sizeof b->stem + 16];
+    char path[sizeof b->stem + 16];
     snprintf(path, sizeof path, "%s-assembly.ply", b->stem);
     MCV_TRY(write_ply(assembly, path, error));
-    snprintf(folder, sizeof folder, "%s-meshes", b->stem);
-    for (int v = 0; v < VARIANTS; ++v)
-        MCV_TRY(peer_open(variants[v], path, folder, r->peers + v, error));
+    MCV_TRY(open_peers(b, r, error));
     r->assembly = (mcv_mesh){.vertex_count = assembly->vertex_count,
                              .triangle_count = assembly->triangle_count,
                              .positions = assembly->positions,
                              .indices = assembly->indices};
-    for (int i = 0; i < SCENES; ++i)
-        if (!b->only || strstr(scenes[i].name, b->only)) MCV_TRY(open_scene(b, r, i, error));
-    note_mean(b, "samples_per_second", &r->speed);
-    note_mean(b, "paths_per_second", &r->single_speed);
-    note_mean(b, "time_to_rmse", &r->time);
-    note_mean(b, "time_to_rmse_uniform", &r->uniform_time);
+    MCV_TRY(race_scenes(b, r, error));
+    race_means_note(b, &r->means);
     note_mean(b, "time_to_rmse_optics", r->time_of + OPTICS);
     note_mean(b, "time_to_rmse_cone", r->time_of + CONE);
     note_mean(b, "time_to_rmse_opening", r->time_of + OPENING);
-    note_mean(b, "time_to_rmse_mesh", r->time_of + MESH);
-    note_mean(b, "time_to_rmse_mesh_uniform", &r->mesh_uniform_time);
-    note_mean(b, "samples_per_second_mesh", &r->mesh_speed);
     bench_summary_text(b, "left_out", r->left_out[0] ? r->left_out : "none");
+    bench_summary_text(b, "failed", r->failed[0] ? r->failed : "none");
+    if (r->failed[0]) return mcv_fail(error, MCV_FAILED, "these scenes failed: %s", r->failed);
     return MCV_OK;
 }
 
@@ -651,7 +676,7 @@ static mcv_result run(bench *b, mcv_error *error) {
     signal(SIGPIPE, SIG_IGN); /* a peer that has died is seen where its image is missing */
     MCV_TRY(workload_load(MESH_ASSEMBLY, &assembly, error));
     mcv_result result = race_all(b, &r, &assembly.mesh, error);
-    for (int v = 0; v < VARIANTS; ++v) peer_close(r.peers + v);
+    close_peers(&r);
     mesh_free(&assembly.mesh);
     return result;
 }

@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""Gathers the benchmarks' results: bench/report.py FOLDER reads FOLDER/NAME.json and writes FOLDER/summary.json, the summaries by name,
-and FOLDER/report.html, a page by itself with plots and all rows. Standard library only."""
+"""Gathers the benchmarks' results: bench/report.py FOLDER reads FOLDER/NAME.json and writes
+FOLDER/summary.json, the summaries by name, and FOLDER/report.html, a page by itself with plots and
+all rows. Standard library only."""
 
 import base64
 import html
@@ -13,9 +14,12 @@ import sys
 # Okabe and Ito: told apart with any colour vision.
 COLOURS = ["#0072b2", "#d55e00", "#009e73", "#cc79a7", "#e69f00", "#56b4e9", "#000000", "#999999"]
 ABOUT = ["device", "driver", "compiler", "commit", "cores", "load_before", "repetitions", "quick"]
-STYLE = """body{font:14px sans-serif;max-width:1000px;margin:2em auto;color:#222}h2{margin-top:2em;border-bottom:1px solid #ccc}
-table{border-collapse:collapse;margin:.5em 0}td,th{padding:1px 8px;text-align:right;border-bottom:1px solid #eee}
-td:first-child,th:first-child{text-align:left}figure{margin:1em 0}img{image-rendering:pixelated;max-width:100%}svg{display:block;margin:1em 0}svg text{font:11px sans-serif;fill:#222}"""
+STYLE = """body{font:14px sans-serif;max-width:1000px;margin:2em auto;color:#222}
+h2{margin-top:2em;border-bottom:1px solid #ccc}table{border-collapse:collapse;margin:.5em 0}
+td,th{padding:1px 8px;text-align:right;border-bottom:1px solid #eee}
+td:first-child,th:first-child{text-align:left}figure{margin:1em 0}
+img{image-rendering:pixelated;max-width:100%}svg{display:block;margin:1em 0}
+svg text{font:11px sans-serif;fill:#222}"""
 
 
 def number(value):
@@ -24,7 +28,10 @@ def number(value):
 
 def table(head, rows):
     lines = ["<tr>" + "".join(f"<th>{html.escape(c)}</th>" for c in head) + "</tr>"]
-    lines += ["<tr>" + "".join(f"<td>{html.escape(number(c))}</td>" for c in row) + "</tr>" for row in rows]
+    lines += [
+        "<tr>" + "".join(f"<td>{html.escape(number(c))}</td>" for c in row) + "</tr>"
+        for row in rows
+    ]
     return "<table>\n" + "\n".join(lines) + "\n</table>\n"
 
 
@@ -39,13 +46,19 @@ def text(x, y, words, anchor="start"):
 
 
 def svg(width, height, parts):
-    return f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}">\n' + "\n".join(parts) + "\n</svg>\n"
+    return (
+        f'<svg xmlns="http://www.w3.org/2000/svg" width="{width}" height="{height}">\n'
+        + "\n".join(parts)
+        + "\n</svg>\n"
+    )
 
 
 def legend(names, x, y):
     parts = []
     for i, name in enumerate(names):
-        parts.append(f'<rect x="{x}" y="{y + 16 * i - 9}" width="10" height="10" fill="{COLOURS[i % len(COLOURS)]}"/>')
+        parts.append(
+            f'<rect x="{x}" y="{y + 16 * i - 9}" width="10" height="10" fill="{COLOURS[i % len(COLOURS)]}"/>'
+        )
         parts.append(text(x + 15, y + 16 * i, name))
     return parts
 
@@ -55,17 +68,25 @@ class Axis:
 
     def __init__(self, values, first, last):
         self.low, self.high = math.log10(min(values)), math.log10(max(values))
-        margin = max(0.02, (0.5 - (self.high - self.low)) / 2)  # half a decade at least: no noise looks like a trend
+        margin = max(
+            0.02, (0.5 - (self.high - self.low)) / 2
+        )  # half a decade at least: no noise looks like a trend
         self.low, self.high = self.low - margin, self.high + margin
         self.first, self.last = first, last
 
     def at(self, value):
-        return self.first + (self.last - self.first) * (math.log10(value) - self.low) / (self.high - self.low)
+        return self.first + (self.last - self.first) * (math.log10(value) - self.low) / (
+            self.high - self.low
+        )
 
     def ticks(self):
         """Round values, few: decades alone where there are many."""
         steps = [1, 2, 5] if self.high - self.low < 3 else [1]
-        every = [s * 10.0**d for d in range(math.floor(self.low), math.ceil(self.high) + 1) for s in steps]
+        every = [
+            s * 10.0**d
+            for d in range(math.floor(self.low), math.ceil(self.high) + 1)
+            for s in steps
+        ]
         return [v for v in every if self.low - 1e-9 <= math.log10(v) <= self.high + 1e-9]
 
 
@@ -90,18 +111,31 @@ def dots(rows, title):
         colour = COLOURS[kinds.index(kind) % len(COLOURS)]
         y = top + 14 * cases.index(what) + 10
         hint = html.escape(f'{row["case"]}: {number(row["ratio"])}')
-        parts.append(f'<circle cx="{axis.at(row["ratio"]):.1f}" cy="{y}" r="4" fill="{colour}"><title>{hint}</title></circle>')
-    return svg(1000, max(bottom + 20, top + 16 * len(kinds) + 10), parts + legend(kinds, right + 20, top + 10))
+        parts.append(
+            f'<circle cx="{axis.at(row["ratio"]):.1f}" cy="{y}" r="4" fill="{colour}">'
+            f"<title>{hint}</title></circle>"
+        )
+    return svg(
+        1000,
+        max(bottom + 20, top + 16 * len(kinds) + 10),
+        parts + legend(kinds, right + 20, top + 10),
+    )
 
 
 def lines(series, title, x_label, dashed=0):
-    """series: name to points (x, y), both axes logarithmic; so many of the last are dashed, to show what they cover."""
-    series = {name: [(x, y) for x, y in points if x and y and x > 0 and y > 0] for name, points in series.items()}
+    """series: name to points (x, y), both axes logarithmic; so many of the last are dashed, to show
+    what they cover."""
+    series = {
+        name: [(x, y) for x, y in points if x and y and x > 0 and y > 0]
+        for name, points in series.items()
+    }
     points = [p for line in series.values() for p in line]
     if not points:
         return ""
     left, right, top, bottom = 60, 560, 30, 270
-    across, up = Axis([p[0] for p in points], left, right), Axis([p[1] for p in points], bottom, top)
+    across, up = Axis([p[0] for p in points], left, right), Axis(
+        [p[1] for p in points], bottom, top
+    )
     parts = [text(left, 16, title), text((left + right) / 2, bottom + 32, x_label, "middle")]
     for tick in across.ticks():
         parts.append(f'<path d="M{across.at(tick):.1f} {top}V{bottom}" stroke="#ddd"/>')
@@ -136,7 +170,10 @@ def bars(rows, title):
             share = width * seconds / total
             colour = COLOURS[kinds.index(kind) % len(COLOURS)]
             hint = html.escape(f"{scene}, {kind}: {seconds:.3g} s")
-            parts.append(f'<rect x="{x:.1f}" y="{top + 16 * i}" width="{share:.1f}" height="13" fill="{colour}"><title>{hint}</title></rect>')
+            parts.append(
+                f'<rect x="{x:.1f}" y="{top + 16 * i}" width="{share:.1f}" height="13"'
+                f' fill="{colour}"><title>{hint}</title></rect>'
+            )
             x += share
     height = max(top + 16 * len(scenes), top + 16 * len(kinds)) + 10
     return svg(1000, height, parts + legend(kinds, left + width + 20, top + 10)) if scenes else ""
@@ -161,11 +198,15 @@ def plots_of_scale(rows):
         chosen = [r for r in rows if x in r]
         series = {"rendering [ns]": [(r[x], r["nanoseconds"]) for r in chosen]}
         if any("setup_seconds" in r for r in chosen):
-            series["set-up per triangle [ns]"] = [(r[x], r["setup_nanoseconds_per_triangle"]) for r in chosen]
+            series["set-up per triangle [ns]"] = [
+                (r[x], r["setup_nanoseconds_per_triangle"]) for r in chosen
+            ]
         unit = "ray" if chosen and chosen[0]["unit"] == "Mrays/s" else "sample"
         plots += lines(series, f"Nanoseconds per {unit}", x)
     chosen = [r for r in rows if "threads" in r]
-    return plots + lines({"speed-up": [(r["threads"], r["ratio"]) for r in chosen]}, "Speed-up", "threads")
+    return plots + lines(
+        {"speed-up": [(r["threads"], r["ratio"]) for r in chosen]}, "Speed-up", "threads"
+    )
 
 
 def plots_of_stages(rows):
@@ -190,27 +231,54 @@ def scene_of(row):
 def pictures_of_render(row):
     """Ours, theirs and the truth side by side, from the file beside the results."""
     sides = [("MC ViSi", "picture_", "ours"), ("Mitsuba", "peer_picture_", "peer")]
-    words = [f"{who}: {row[key + 'samples']:.0f} samples, {row[key + 'seconds']:.2g} s, RMSE {100 * row[side]:.2g} %" for who, key, side in sides]
-    return f'<figure><img src="{row["picture"]}" alt="{html.escape(row["case"])}"/><figcaption>{"; ".join(words)}; truth</figcaption></figure>\n'
+    words = [
+        f"{who}: {row[key + 'samples']:.0f} samples, {row[key + 'seconds']:.2g} s, RMSE "
+        f"{100 * row[side]:.2g} %"
+        for who, key, side in sides
+    ]
+    return (
+        f'<figure><img src="{row["picture"]}" alt="{html.escape(row["case"])}"/>'
+        f'<figcaption>{"; ".join(words)}; truth</figcaption></figure>\n'
+    )
 
 
 def plots_of_render(rows):
-    """For each scene how long both take to an equal error, their errors against time, and what they show after the same time."""
+    """For each scene how long both take to an equal error, their errors against time, and what they
+    show after the same time."""
     against = [r for r in rows if "time_to_rmse" in r]
     reached = [r for r in rows if "time to RMSE" in r["case"]]
-    plots = dots([dict(r, ratio=r["time_to_rmse"]) for r in against], "Mitsuba's time to an equal error over ours")
+    plots = dots(
+        [dict(r, ratio=r["time_to_rmse"]) for r in against],
+        "Mitsuba's time to an equal error over ours",
+    )
     head = ["scene, RMSE to be reached", "MC ViSi [s]", "Mitsuba [s]", "ratio"]
-    plots += table(head, [[r["case"].replace("time to RMSE ", ""), r["ours"], r["peer"], r["ratio"]] for r in reached])
+    plots += table(
+        head,
+        [
+            [r["case"].replace("time to RMSE ", ""), r["ours"], r["peer"], r["ratio"]]
+            for r in reached
+        ],
+    )
     for scene in dict.fromkeys(scene_of(r) for r in against):
         series = {}
         for row in (r for r in rows if "curve_seconds" in r and scene_of(r) == scene):
-            series.setdefault(row["case"].split(", ")[1], []).append((row["curve_seconds"], row["ours"]))
+            series.setdefault(row["case"].split(", ")[1], []).append(
+                (row["curve_seconds"], row["ours"])
+            )
         plots += lines(series, f"{scene}: RMSE / mean", "seconds")
-        plots += "".join(pictures_of_render(r) for r in rows if "picture" in r and scene_of(r) == scene)
+        plots += "".join(
+            pictures_of_render(r) for r in rows if "picture" in r and scene_of(r) == scene
+        )
     return plots
 
 
-PLOTS = {"render": plots_of_render, "error": plots_of_error, "scale": plots_of_scale, "stages": plots_of_stages, "build": plots_of_build}
+PLOTS = {
+    "render": plots_of_render,
+    "error": plots_of_error,
+    "scale": plots_of_scale,
+    "stages": plots_of_stages,
+    "build": plots_of_build,
+}
 
 
 def attach_pictures(name, rows, folder):
@@ -237,16 +305,33 @@ def section(name, report, folder):
     )
 
 
+def begin_page(title):
+    """The beginning of a page, up to its body."""
+    return (
+        '<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"/>'
+        f"<title>{title}</title><style>{STYLE}</style></head>\n"
+        f"<body><h1>{title}</h1>\n"
+    )
+
+
 def main(folder):
     folder = pathlib.Path(folder)
-    reports = {p.stem: json.loads(p.read_text()) for p in sorted(folder.glob("*.json")) if p.stem != "summary"}
+    reports = {
+        p.stem: json.loads(p.read_text())
+        for p in sorted(folder.glob("*.json"))
+        if p.stem != "summary"
+    }
     if not reports:
         sys.exit(f"{folder}: no results of benchmarks")
-    (folder / "summary.json").write_text(json.dumps({name: r["summary"] for name, r in reports.items()}, indent=1) + "\n")
-    page = f'<!DOCTYPE html>\n<html lang="en"><head><meta charset="utf-8"/><title>MC ViSi: benchmarks</title><style>{STYLE}</style></head>\n'
-    page += "<body><h1>MC ViSi: benchmarks</h1>\n"
+    (folder / "summary.json").write_text(
+        json.dumps({name: r["summary"] for name, r in reports.items()}, indent=1) + "\n"
+    )
+    page = begin_page("MC ViSi: benchmarks")
     page += "<p>A ratio is above 1 where ours is better; docs/benchmarks.md describes each.</p>\n"
-    page += "".join(section(name, report, folder) for name, report in reports.items()) + "</body></html>\n"
+    page += (
+        "".join(section(name, report, folder) for name, report in reports.items())
+        + "</body></html>\n"
+    )
     (folder / "report.html").write_text(page)
 
 

@@ -4,10 +4,10 @@
  * unless said otherwise.
  *
  *   - triangles: the inside of a bumpy diffuse sphere of 1 k to 10 M, where every path meets six
- * surfaces: rays per second of a launch, seconds to set the scene up, bytes of its hierarchy;
+ *     surfaces: rays per second of a launch, seconds to set the scene up, bytes of its hierarchy;
  *   - bounces: the same with 10 k triangles, 1 to 32 surfaces a path: rays per second;
  *   - pixels and samples: report-clean, samples per second of rendering alone; a few pixels or
- * samples do not fill the cores;
+ *     samples do not fill the cores;
  *   - threads: report-clean on 1 to all cores, samples per second and, as ratio, the speed-up.
  */
 #include <math.h>

@@ -1,12 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What it brings to compile only what a scene needs: bench_specialise [--quick] [OUTPUT.json].
+ * The gain from compiling only what a scene needs: bench_specialise [--quick] [OUTPUT.json].
  *
- * Each scene that ships against the program with all elements and three channels (the peer):
- * seconds of a launch, bytes of a path's state, seconds to build and first launch the program with
- * PoCL's cache empty (cold) and filled (warm). And the seconds from the start of a process to the
- * first sample of the report's scene, cold and warm: each in a process of its own with a cache
- * folder of its own.
+ * Each scene that ships is compared with the program that has all elements and three channels (the
+ * peer): seconds of a launch, bytes of a path's state, seconds to build and first launch the
+ * program with PoCL's cache empty (cold) and filled (warm). The seconds from the start of a process
+ * to the first sample of the report's scene are measured too, each in a process and a cache folder
+ * of its own.
  */
 #include <math.h>
 #include <stdlib.h>
@@ -159,7 +159,7 @@ static mcv_result bench_launches(bench *b, const char *name, const mcv_scene *sc
     if (result == MCV_OK) result = drive_run(&own, error);
     if (result == MCV_OK) result = drive_run(&all, error);
     if (result == MCV_OK) result = check_sums(name, &own, &all, error);
-    bench_side sides[] = {{drive_run, &own, {{{0}}}}, {drive_run, &all, {{{0}}}}};
+    bench_side sides[] = {{drive_run, &own, {{{0}}}, 0}, {drive_run, &all, {{{0}}}, 0}};
     if (result == MCV_OK) result = bench_time(b, sides, 2, error);
     if (result == MCV_OK) {
         const mcv_packed *mine = &own.device.packed, *theirs = &all.device.packed;

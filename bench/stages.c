@@ -17,57 +17,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "kernels/path/camera_path.h"
 #include "drive.h"
 #include "device/features.h"
 #include "harness.h"
-#include "rays.h"
+#include "recorder.h"
 
-/* The first rays, the later ones, shadow rays to a point and those that must meet their emitter. */
-enum { FIRST, LATER, SHADOW_ANY, SHADOW_CLOSEST, KINDS };
-
-/* --- layout of the state
- * ------------------------------------------------------------------------------------------ */
-
-#define MCV_X(field, words) FIELD_##field,
-enum { FIELD_END, MCV_PATH_FIELDS(MCV_X) FIELD_COUNT };
-#undef MCV_X
-
-static void field_words(const mcv_packed *packed, uint32_t words[FIELD_COUNT]) {
-    const uint32_t features = packed->features;
-    words[FIELD_END] = 0;
-#define MCV_CHANNELS packed->channels
-#define MCV_WITH_DIELECTRIC (features >> MCV_FEATURE_DIELECTRIC & 1)
-#define MCV_WITH_NEXT_EVENT (features >> MCV_FEATURE_NEXT_EVENT & 1)
-#define MCV_WITH_LIGHT_TRACING (features >> MCV_FEATURE_LIGHT_TRACING & 1)
-#define MCV_WITH_GLOSS (features >> MCV_FEATURE_GLOSS & 1)
-#define MCV_WITH_SPLIT (features >> MCV_FEATURE_SPLIT & 1)
-#define MCV_WITH_SURFACES (features >> MCV_FEATURE_SURFACES & 1)
-#define MCV_WITH_MIXED (features >> MCV_FEATURE_MIXED & 1)
-#define MCV_WITH_REACH (features >> MCV_FEATURE_REACH & 1)
-#define MCV_WITH_TEXTURE (features >> MCV_FEATURE_TEXTURE & 1)
-#define MCV_WITH_SHEET (features >> MCV_FEATURE_SHEET & 1)
-#define MCV_WITH_NORMALS (features >> MCV_FEATURE_NORMALS & 1)
-#define MCV_WITH_MIXED (features >> MCV_FEATURE_MIXED & 1)
-#define MCV_X(field, count) words[FIELD_##field] = (count);
-    MCV_PATH_FIELDS(MCV_X)
-#undef MCV_X
-#undef MCV_CHANNELS
-#undef MCV_WITH_DIELECTRIC
-#undef MCV_WITH_NEXT_EVENT
-#undef MCV_WITH_LIGHT_TRACING
-#undef MCV_WITH_GLOSS
-#undef MCV_WITH_SURFACES
-#undef MCV_WITH_MIXED
-#undef MCV_WITH_REACH
-#undef MCV_WITH_TEXTURE
-#undef MCV_WITH_SHEET
-#undef MCV_WITH_NORMALS
-#undef MCV_WITH_MIXED
-#undef MCV_WITH_SPLIT
-}
-
-/* What each stage reads and writes of a path (the heads of kernels/<stage>.cl). */
+/* What each stage reads and writes of a path (the heads of the files in kernels/stage). */
 static const int traffic[STAGE_COUNT][16] = {
     [STAGE_generate_rays] = {FIELD_origin, FIELD_direction, FIELD_weight, FIELD_throughput,
                              FIELD_radiance, FIELD_media, FIELD_density, FIELD_origin_surface},
@@ -87,201 +42,9 @@ static const int traffic[STAGE_COUNT][16] = {
 
 static double bytes_per_item(const mcv_packed *packed, int stage) {
     uint32_t words[FIELD_COUNT], sum = 0;
-    field_words(packed, words);
+    recorder_field_words(packed, words);
     for (const int *field = traffic[stage]; *field != FIELD_END; ++field) sum += words[*field];
     return 4.0 * sum;
-}
-
-/* --- the rays of a launch
- * ------------------------------------------------------------------------------------------ */
-
-typedef struct ray_list {
-    batch_ray *rays;
-    mcv_hit *hits; /* what the render found; of shadow rays nothing */
-    uint32_t *paths;
-    size_t count, capacity;
-} ray_list;
-
-static mcv_result list_reserve(ray_list *list, size_t more, mcv_error *error) {
-    if (list->count + more <= list->capacity) return MCV_OK;
-    list->capacity =
-        2 * list->capacity > list->count + more ? 2 * list->capacity : list->count + more;
-    batch_ray *rays = realloc(list->rays, list->capacity * sizeof *rays);
-    if (rays) list->rays = rays;
-    mcv_hit *hits = realloc(list->hits, list->capacity * sizeof *hits);
-    if (hits) list->hits = hits;
-    uint32_t *paths = realloc(list->paths, list->capacity * sizeof *paths);
-    if (paths) list->paths = paths;
-    return rays && hits && paths
-               ? MCV_OK
-               : mcv_fail(error, MCV_FAILED, "no memory for the rays of a launch");
-}
-
-static void list_free(ray_list *list) {
-    free(list->rays);
-    free(list->hits);
-    free(list->paths);
-    *list = (ray_list){0};
-}
-
-/* From depth after depth to slice after slice, in which depth after depth. */
-static mcv_result list_by_slice(ray_list *list, uint32_t slice, uint32_t slices, mcv_error *error) {
-    ray_list sorted = {0};
-    size_t *next = calloc(slices + 1, sizeof *next);
-    if (!next) return mcv_fail(error, MCV_FAILED, "no memory to sort rays");
-    mcv_result result = list_reserve(&sorted, list->count, error);
-    for (size_t i = 0; result == MCV_OK && i < list->count; ++i) ++next[list->paths[i] / slice + 1];
-    for (uint32_t i = 0; result == MCV_OK && i < slices; ++i) next[i + 1] += next[i];
-    for (size_t i = 0; result == MCV_OK && i < list->count; ++i) {
-        const size_t place = next[list->paths[i] / slice]++;
-        sorted.rays[place] = list->rays[i];
-        sorted.hits[place] = list->hits[i];
-        sorted.paths[place] = list->paths[i];
-    }
-    free(next);
-    sorted.count = list->count;
-    list_free(list);
-    *list = sorted;
-    return result;
-}
-
-/* The stream schedule of a drive, stage by stage. */
-typedef struct recorder {
-    drive *d;
-    uint32_t offsets[FIELD_COUNT]; /* words */
-    uint32_t *queue, *rows;        /* room for a queue and for seven rows of the state */
-    ray_list *lists;
-    mcv_error *error;
-} recorder;
-
-static mcv_result run_stage(const recorder *r, uint32_t kernel, cl_uint depth) {
-    mcv_schedule *s = &r->d->schedule;
-    mcv_arg arguments[MCV_SCENE_ARGUMENTS + 7];
-    mcv_device_scene_arguments(s->scene, arguments);
-    const mcv_arg own[] = {MCV_ARG(s->paths),  MCV_ARG(s->sums),    MCV_ARG(s->counters),
-                           MCV_ARG(s->queues), MCV_ARG(s->lengths), MCV_ARG(s->capacity),
-                           MCV_ARG(depth)};
-    memcpy(arguments + MCV_SCENE_ARGUMENTS, own, sizeof own);
-    return mcv_cl_launch(s->cl, s->kernels[kernel], r->d->frame.path_count, 64, arguments,
-                         MCV_SCENE_ARGUMENTS + 7, NULL, r->error);
-}
-
-static int by_number(const void *a, const void *b) {
-    const uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
-    return (x > y) - (x < y);
-}
-
-/* The paths of a queue, in their order. */
-static mcv_result read_queue(const recorder *r, uint32_t queue, uint32_t length_at,
-                             uint32_t *count) {
-    const mcv_schedule *s = &r->d->schedule;
-    MCV_TRY(
-        mcv_cl_read(s->cl, s->lengths, sizeof *count * length_at, sizeof *count, count, r->error));
-    MCV_TRY(mcv_cl_read(s->cl, s->queues, sizeof(cl_uint) * queue * s->capacity,
-                        sizeof(cl_uint) * *count, r->queue, r->error));
-    qsort(r->queue, *count, sizeof *r->queue, by_number);
-    return MCV_OK;
-}
-
-static mcv_result read_rows(const recorder *r, int field, uint32_t words, uint32_t row) {
-    const mcv_schedule *s = &r->d->schedule;
-    const size_t paths = r->d->frame.path_count;
-    for (uint32_t k = 0; k < words; ++k) {
-        MCV_TRY(mcv_cl_read(s->cl, s->paths,
-                            sizeof(cl_uint) * (r->offsets[field] + k) * s->capacity,
-                            sizeof(cl_uint) * paths, r->rows + (row + k) * paths, r->error));
-    }
-    return MCV_OK;
-}
-
-/* Appends the rays that rows 0 … 5 hold for the paths in the queue. Shadow rays with the target in
- * row 6 are of two kinds. */
-static mcv_result append_rays(const recorder *r, uint32_t count, bool shadow, int kind) {
-    const size_t paths = r->d->frame.path_count;
-    for (int k = 0; k < KINDS; ++k) MCV_TRY(list_reserve(r->lists + k, count, r->error));
-    for (uint32_t i = 0; i < count; ++i) {
-        const uint32_t path = r->queue[i];
-        const bool any = shadow && r->rows[6 * paths + path] >= MCV_SKY;
-        ray_list *list = r->lists + (shadow ? any ? SHADOW_ANY : SHADOW_CLOSEST : kind);
-        batch_ray *ray = list->rays + list->count;
-        for (size_t k = 0; k < 3; ++k) {
-            memcpy(ray->origin + k, r->rows + k * paths + path, 4);
-            memcpy(ray->direction + k, r->rows + (3 + k) * paths + path, 4);
-        }
-        ray->t_max = any && r->rows[6 * paths + path] == MCV_NONE ? 1.0f : INFINITY;
-        list->paths[list->count++] = path;
-    }
-    return MCV_OK;
-}
-
-/* The hits of the `count` rays that were appended last. */
-static mcv_result append_hits(const recorder *r, uint32_t count, int kind) {
-    const size_t paths = r->d->frame.path_count;
-    ray_list *list = r->lists + kind;
-    MCV_TRY(read_rows(r, FIELD_hit, 4, 0));
-    for (uint32_t i = 0; i < count; ++i) {
-        uint32_t words[4];
-        for (size_t k = 0; k < 4; ++k) words[k] = r->rows[k * paths + r->queue[i]];
-        memcpy(list->hits + list->count - count + i, words, sizeof words);
-    }
-    return MCV_OK;
-}
-
-static mcv_result record_depth(const recorder *r, uint32_t depth, uint32_t *count) {
-    const drive *d = r->d;
-    const int kind = depth > 0 ? LATER : FIRST;
-    MCV_TRY(read_queue(r, depth & 1, depth, count));
-    if (*count == 0) return MCV_OK;
-    MCV_TRY(read_rows(r, FIELD_origin, 3, 0));
-    MCV_TRY(read_rows(r, FIELD_direction, 3, 3));
-    MCV_TRY(append_rays(r, *count, false, kind));
-    MCV_TRY(run_stage(r, MCV_KERNEL_intersect_closest, depth));
-    MCV_TRY(append_hits(r, *count, kind));
-    if (d->schedule.kernels[MCV_KERNEL_sample_emitters] && depth + 1 < d->frame.depth) {
-        uint32_t shadows;
-        MCV_TRY(run_stage(r, MCV_KERNEL_sample_emitters, depth));
-        MCV_TRY(read_queue(r, 2, d->frame.depth + 1 + depth, &shadows));
-        MCV_TRY(read_rows(r, FIELD_shadow_origin, 3, 0));
-        MCV_TRY(read_rows(r, FIELD_shadow_direction, 3, 3));
-        MCV_TRY(read_rows(r, FIELD_shadow_target, 1, 6));
-        MCV_TRY(append_rays(r, shadows, true, 0));
-    }
-    return run_stage(r, MCV_KERNEL_shade_surfaces, depth);
-}
-
-static mcv_result record(recorder *r) {
-    mcv_schedule *s = &r->d->schedule;
-    const cl_uint nothing = 0;
-    const size_t lengths = 2 * sizeof(cl_uint) * (s->depth + 1);
-    uint32_t words[FIELD_COUNT], offset = 0, count = 1;
-    field_words(&r->d->device.packed, words);
-    for (int i = 0; i < FIELD_COUNT; offset += words[i++]) r->offsets[i] = offset;
-    MCV_TRY(mcv_cl_write(s->cl, s->scene->frame, 0, sizeof r->d->frame, &r->d->frame, r->error));
-    MCV_TRY_CL(clEnqueueFillBuffer(s->cl->queue, s->lengths, &nothing, sizeof nothing, 0, lengths,
-                                   0, NULL, NULL),
-               r->error);
-    MCV_TRY(run_stage(r, MCV_KERNEL_generate_rays, 0));
-    for (uint32_t depth = 0; depth < s->depth && count > 0; ++depth)
-        MCV_TRY(record_depth(r, depth, &count));
-    return MCV_OK;
-}
-
-/* The rays of a stream drive's frame as a tile schedule with these slices would follow them. */
-static mcv_result record_rays(drive *d, uint32_t slice, ray_list lists[KINDS], mcv_error *error) {
-    const size_t paths = d->frame.path_count;
-    recorder r = {.d = d,
-                  .lists = lists,
-                  .error = error,
-                  .queue = malloc(4 * paths),
-                  .rows = malloc(7 * 4 * paths)};
-    mcv_result result =
-        r.queue && r.rows ? MCV_OK : mcv_fail(error, MCV_FAILED, "no memory to record rays");
-    if (result == MCV_OK) result = record(&r);
-    free(r.queue);
-    free(r.rows);
-    for (int k = 0; k < KINDS && result == MCV_OK; ++k)
-        result = list_by_slice(lists + k, slice, (uint32_t)((paths + slice - 1) / slice), error);
-    return result;
 }
 
 /* --- bare traversal
@@ -291,20 +54,20 @@ typedef struct replay {
     mcv_cl *cl;
     const mcv_device_scene *scene;
     cl_program program;
-    cl_kernel kernels[KINDS];
-    cl_mem rays[KINDS], hits[KINDS];
-    cl_uint counts[KINDS];
+    cl_kernel kernels[RECORDED_KINDS];
+    cl_mem rays[RECORDED_KINDS], hits[RECORDED_KINDS];
+    cl_uint counts[RECORDED_KINDS];
     int only; /* of the stages: 0 the closest, 1 the shadow rays */
 } replay;
 
-static const char *const kernel_names[KINDS] = {"closest_many", "closest_many", "any_many",
-                                                "closest_many"};
+static const char *const kernel_names[RECORDED_KINDS] = {"closest_many", "closest_many", "any_many",
+                                                         "closest_many"};
 
-static mcv_result replay_open(const drive *d, const ray_list lists[KINDS], replay *r,
+static mcv_result replay_open(const drive *d, const ray_list lists[RECORDED_KINDS], replay *r,
                               mcv_error *error) {
     *r = (replay){.cl = d->cl, .scene = &d->device};
     MCV_TRY(mcv_cl_build(r->cl, "test/intersect", "", &r->program, error));
-    for (int k = 0; k < KINDS; ++k) {
+    for (int k = 0; k < RECORDED_KINDS; ++k) {
         r->counts[k] = (cl_uint)lists[k].count;
         MCV_TRY(mcv_cl_kernel(r->program, kernel_names[k], &r->kernels[k], error));
         MCV_TRY(mcv_cl_buffer(r->cl, "the rays", lists[k].count * sizeof(batch_ray), lists[k].rays,
@@ -316,7 +79,7 @@ static mcv_result replay_open(const drive *d, const ray_list lists[KINDS], repla
 }
 
 static void replay_close(replay *r) {
-    for (int k = 0; k < KINDS; ++k) {
+    for (int k = 0; k < RECORDED_KINDS; ++k) {
         if (r->kernels[k]) clReleaseKernel(r->kernels[k]);
         mcv_cl_release(&r->rays[k]);
         mcv_cl_release(&r->hits[k]);
@@ -327,8 +90,10 @@ static void replay_close(replay *r) {
 static mcv_result replay_run(void *user, mcv_error *error) {
     replay *r = user;
     const cl_uint slice = RAYS_PER_GROUP;
-    for (int k = 0; k < KINDS; ++k) {
-        if (r->counts[k] == 0 || (r->only == 0 ? k >= SHADOW_ANY : k < SHADOW_ANY)) continue;
+    for (int k = 0; k < RECORDED_KINDS; ++k) {
+        if (r->counts[k] == 0 ||
+            (r->only == 0 ? k >= RECORDED_SHADOW_ANY : k < RECORDED_SHADOW_ANY))
+            continue;
         MCV_TRY(MCV_LAUNCH(r->cl, r->kernels[k], (r->counts[k] + slice - 1) / slice, 1, error,
                            MCV_ARG(r->scene->nodes), MCV_ARG(r->scene->leaves), MCV_ARG(r->rays[k]),
                            MCV_ARG(r->hits[k]), MCV_ARG(r->counts[k]), MCV_ARG(slice)));
@@ -337,10 +102,10 @@ static mcv_result replay_run(void *user, mcv_error *error) {
 }
 
 /* The bare traversal finds what the render found. */
-static mcv_result replay_check(replay *r, const ray_list lists[KINDS], mcv_error *error) {
+static mcv_result replay_check(replay *r, const ray_list lists[RECORDED_KINDS], mcv_error *error) {
     r->only = 0;
     MCV_TRY(replay_run(r, error));
-    for (int k = FIRST; k <= LATER; ++k) {
+    for (int k = RECORDED_FIRST; k <= RECORDED_LATER; ++k) {
         mcv_hit *hits = malloc((lists[k].count + 1) * sizeof *hits);
         if (!hits) return mcv_fail(error, MCV_FAILED, "no memory to compare hits");
         mcv_result result =
@@ -424,7 +189,7 @@ typedef struct scene_bench {
     bench *b;
     const char *name;
     staged tile, stream;
-    ray_list lists[KINDS];
+    ray_list lists[RECORDED_KINDS];
     replay replay;
     bench_mean *share, *share_of_processor;
     mcv_error *error;
@@ -438,7 +203,7 @@ static void items_of(const mcv_render_stats *stats, double items[STAGE_COUNT]) {
 }
 
 static mcv_result bench_schedules(scene_bench *s) {
-    bench_side sides[] = {{run_staged, &s->tile, {{{0}}}}, {run_staged, &s->stream, {{{0}}}}};
+    bench_side sides[] = {{run_staged, &s->tile, {{{0}}}, 0}, {run_staged, &s->stream, {{{0}}}, 0}};
     drive *tile = &s->tile.drive, *stream = &s->stream.drive;
     double items[STAGE_COUNT];
     MCV_TRY(drive_run(tile, s->error));
@@ -471,9 +236,10 @@ static mcv_result bench_share(scene_bench *s) {
     half_render half = {.scene = s->tile.drive.scene,
                         .samples = 2 * s->tile.drive.frame.first_sample};
     bench_side render = {0}, bare = {0}, bare_stages[2] = {0};
-    const double closest = (double)s->lists[FIRST].count + (double)s->lists[LATER].count;
-    const double shadow =
-        (double)s->lists[SHADOW_ANY].count + (double)s->lists[SHADOW_CLOSEST].count;
+    const double closest =
+        (double)s->lists[RECORDED_FIRST].count + (double)s->lists[RECORDED_LATER].count;
+    const double shadow = (double)s->lists[RECORDED_SHADOW_ANY].count +
+                          (double)s->lists[RECORDED_SHADOW_CLOSEST].count;
     MCV_TRY(replay_check(&s->replay, s->lists, s->error));
     for (int r = -1; r < b->repetitions; ++r) { /* the first does not count */
         const int at = r < 0 ? 0 : r;
@@ -532,7 +298,7 @@ static mcv_result bench_scene(bench *b, const char *name, bench_mean *share,
     mcv_result result = load_shipped(name, b->quick ? 1 << 12 : 1 << 14, &scene, error);
     if (result == MCV_OK) result = bench_loaded(s, scene);
     replay_close(&s->replay);
-    for (int k = 0; k < KINDS; ++k) list_free(s->lists + k);
+    for (int k = 0; k < RECORDED_KINDS; ++k) ray_list_free(s->lists + k);
     drive_close(&s->tile.drive);
     drive_close(&s->stream.drive);
     mcv_scene_free(scene);

@@ -108,14 +108,14 @@ static mcv_result bench_kind(mesh_bench *m, int kind, bool any) {
     packets_8.width = 8;
     packets_16.width = 16;
     fast.scene = m->fast;
-    bench_side sides[SIDES] = {[OURS] = {cast_run, casts + OURS, {{{0}}}},
-                               [OURS_ALL] = {cast_run, casts + OURS_ALL, {{{0}}}},
-                               [ROBUST] = {embree_run, &robust, {{{0}}}},
-                               [PACKETS_8] = {embree_run, &packets_8, {{{0}}}},
-                               [PACKETS_16] = {embree_run, &packets_16, {{{0}}}},
-                               [FAST] = {embree_run, &fast, {{{0}}}},
-                               [ROBUST_ALL] = {embree_run, &robust_all, {{{0}}}},
-                               [PLAIN] = {cast_run, casts + PLAIN, {{{0}}}}};
+    bench_side sides[SIDES] = {[OURS] = {cast_run, casts + OURS, {{{0}}}, 0},
+                               [OURS_ALL] = {cast_run, casts + OURS_ALL, {{{0}}}, 0},
+                               [ROBUST] = {embree_run, &robust, {{{0}}}, 0},
+                               [PACKETS_8] = {embree_run, &packets_8, {{{0}}}, 0},
+                               [PACKETS_16] = {embree_run, &packets_16, {{{0}}}, 0},
+                               [FAST] = {embree_run, &fast, {{{0}}}, 0},
+                               [ROBUST_ALL] = {embree_run, &robust_all, {{{0}}}, 0},
+                               [PLAIN] = {cast_run, casts + PLAIN, {{{0}}}, 0}};
     MCV_TRY(check(m, kind, any, sides));
     MCV_TRY(bench_time(b, sides, SIDES, m->error));
     double ratios[SIDES];

@@ -33,33 +33,35 @@ bool workload_wanted(const bench *b, int i) {
     return b->only ? strstr(meshes[i].name, b->only) != NULL : meshes[i].quick || !b->quick;
 }
 
+mesh mesh_of_scene(const mcv_scene *scene) {
+    mesh m = mesh_new(3 * scene->triangle_count, scene->triangle_count);
+    for (uint32_t i = 0; i < m.triangle_count; ++i) {
+        const uint32_t instance = mcv_scene_instance_of(scene, i);
+        double corners[3][3];
+        mcv_scene_corners(scene, instance, i - scene->instances[instance].first_triangle, corners);
+        for (uint32_t k = 0; k < 9; ++k)
+            m.positions[9 * (size_t)i + k] = (float)corners[k / 3][k % 3];
+    }
+    for (uint32_t i = 0; i < m.vertex_count; ++i) m.indices[i] = i;
+    return m;
+}
+
 /* The CAD assembly, moved and scaled into the cube [-1, 1]³. */
 static mcv_result load_assembly(mesh *m, mcv_error *error) {
     mcv_scene *scene;
     MCV_TRY(mcv_scene_load(MCV_SOURCE_DIR "/scenes/2CylinderEngine.glb", (mcv_overrides){0}, &scene,
                            error));
-    *m = mesh_new(3 * scene->triangle_count, scene->triangle_count);
-    double lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY},
-           half = 0.0;
-    for (int pass = 0; pass < 2; ++pass) {
-        for (uint32_t i = 0; i < m->triangle_count; ++i) {
-            const uint32_t instance = mcv_scene_instance_of(scene, i);
-            double corners[3][3];
-            mcv_scene_corners(scene, instance, i - scene->instances[instance].first_triangle,
-                              corners);
-            for (uint32_t k = 0; k < 9; ++k) {
-                const double x = corners[k / 3][k % 3];
-                lower[k % 3] = fmin(lower[k % 3], x);
-                upper[k % 3] = fmax(upper[k % 3], x);
-                if (pass)
-                    m->positions[9 * (size_t)i + k] =
-                        (float)((x - 0.5 * (lower[k % 3] + upper[k % 3])) / half);
-            }
-        }
-        for (int k = 0; k < 3; ++k) half = fmax(half, 0.5 * (upper[k] - lower[k]));
-    }
-    for (uint32_t i = 0; i < m->vertex_count; ++i) m->indices[i] = i;
+    *m = mesh_of_scene(scene);
     mcv_scene_free(scene);
+    float lower[3] = {INFINITY, INFINITY, INFINITY}, upper[3] = {-INFINITY, -INFINITY, -INFINITY},
+          half = 0;
+    for (uint32_t i = 0; i < 3 * m->vertex_count; ++i) {
+        lower[i % 3] = fminf(lower[i % 3], m->positions[i]);
+        upper[i % 3] = fmaxf(upper[i % 3], m->positions[i]);
+    }
+    for (int k = 0; k < 3; ++k) half = fmaxf(half, 0.5f * (upper[k] - lower[k]));
+    for (uint32_t i = 0; i < 3 * m->vertex_count; ++i)
+        m->positions[i] = (m->positions[i] - 0.5f * (lower[i % 3] + upper[i % 3])) / half;
     return MCV_OK;
 }
 
@@ -89,7 +91,8 @@ double share_that_differs(const mcv_hit *a, const mcv_hit *b, uint32_t count) {
  */
 
 mcv_result caster_open(mcv_cl *cl, const mcv_bvh *bvh, caster *c, mcv_error *error) {
-    static const char *const names[CASTER_KERNELS] = {"closest_many", "any_many"};
+    static const char *const names[CASTER_KERNELS] = {
+        "closest_many", "any_many", "intersect_closest_alone", "intersect_any_alone"};
     *c = (caster){.cl = cl};
     MCV_TRY(mcv_cl_build(cl, "test/intersect", "", &c->program, error));
     for (int i = 0; i < CASTER_KERNELS; ++i)

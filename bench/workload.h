@@ -4,6 +4,7 @@
 #ifndef MCVISI_BENCH_WORKLOAD_H
 #define MCVISI_BENCH_WORKLOAD_H
 
+#include "scene/scene.h"
 #include <embree3/rtcore.h>
 
 #include "harness.h"
@@ -20,6 +21,9 @@ typedef struct workload_mesh {
 
 /* Free it with mesh_free. */
 mcv_result workload_load(int i, workload_mesh *made, mcv_error *error);
+
+/* The triangles of all instances of a scene, without shared vertices. Free it with mesh_free. */
+mesh mesh_of_scene(const mcv_scene *scene);
 
 /* --quick and --only leave out some. */
 bool workload_wanted(const bench *b, int i);
@@ -45,8 +49,8 @@ void workload_make_rays(const bench *b, const mesh *m, RTCScene scene, mcv_hit *
                         workload_rays *made);
 
 /* Ours: a hierarchy on a device and the kernels of kernels/test/intersect.cl, those that the
- * renderer would take. */
-enum { CLOSEST_MANY, ANY_MANY, CASTER_KERNELS };
+ * renderer would take, and those by which each ray goes alone from the root. */
+enum { CLOSEST_MANY, ANY_MANY, CLOSEST_ALONE, ANY_ALONE, CASTER_KERNELS };
 typedef struct caster {
     mcv_cl *cl;
     cl_program program;

@@ -74,6 +74,15 @@ typedef struct mcv_color {
 /* Unrolled: a loop within keeps a loop over paths from being vectorised. */
 #define MCV_EACH_CHANNEL(i) _Pragma("unroll") for (int i = 0; i < MCV_CHANNELS; ++i)
 
+/* Of a table. */
+MCV_LOOP_FUNCTION mcv_vec3 mcv_vec_at(__global const float *v) { return mcv_vec(v[0], v[1], v[2]); }
+
+MCV_LOOP_FUNCTION mcv_color mcv_color_at(__global const float *values) {
+    mcv_color color;
+    MCV_EACH_CHANNEL(i) color.c[i] = values[i];
+    return color;
+}
+
 MCV_FUNCTION mcv_color mcv_grey(float value) {
     mcv_color color;
     MCV_EACH_CHANNEL(i) color.c[i] = value;
@@ -102,7 +111,7 @@ MCV_FUNCTION float mcv_average(mcv_color a) {
     return sum / (float)MCV_CHANNELS;
 }
 
-/* What a surface that spreads light makes of light from a direction. */
+/* How a scattering surface responds to light from a direction. */
 typedef struct mcv_response {
     mcv_color value; /* f cosθ [1/sr]: the share that goes on towards the ray, of L/n² */
     float density;   /* with which mcv_scatter chooses the direction [1/sr] */

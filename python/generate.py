@@ -208,11 +208,13 @@ RIG_VERBS = [
         "sweep",
         "Renders and measures many sets of parameters.\n\n"
         "vary: paths and their values: a list, mcvisi.linear(first, last, count) or mcvisi.log.\n"
+        "progress: None for a bar in a terminal or notebook, False for none.\n"
         "session: the Session to use, by default one for all.",
-        'vary: "Mapping[str, Values]"; session: Optional[Session] = None',
+        'vary: "Mapping[str, Values]"; progress: Optional[Literal[False]] = None; '
+        "session: Optional[Session] = None",
         "Sweep",
-        "return self._sweep(vary, session, options)",
-        without="vary rig note fingerprint",
+        "return self._sweep(vary, progress, session, options)",
+        without="vary rig fingerprint",
     ),
     Verb(
         "trace",
@@ -224,6 +226,36 @@ RIG_VERBS = [
         "Dict[str, Any]",
         "return self._trace(rays, session, options)",
         without="rays output",
+    ),
+    Verb(
+        "camera_model",
+        "camera-model",
+        "Where the points of the scene lie in the image of a sensor: K, R and t, or the affine\n"
+        "matrix A, as in the headers of images.",
+        "",
+        "Mapping[str, Any]",
+        "return self._camera_model(options)",
+        only="sensor resolution",
+    ),
+    Verb(
+        "export_camera",
+        "camera-model",
+        "The camera model of a sensor as another program reads it. Returns the text of the file;\n"
+        "COLMAP has three, in the folder `output`.",
+        "",
+        "str",
+        "return self._export_camera(options)",
+        only="format output sensor resolution",
+    ),
+    Verb(
+        "import_camera",
+        "camera-model",
+        "Adds the camera of a file of OpenCV, ROS, HALCON or COLMAP, with its pose. `sensor` is\n"
+        "the name of the new sensor. Returns what was added.",
+        "path: Path",
+        "Mapping[str, Any]",
+        "return self._import_camera(path, options)",
+        only="sensor pixel-size",
     ),
 ]
 

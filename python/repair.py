@@ -17,6 +17,7 @@ import re
 import subprocess
 import sys
 import tempfile
+import time
 import zipfile
 
 STAND_INS = pathlib.Path(__file__).resolve().parent / "stand-ins"
@@ -39,7 +40,8 @@ def repair(wheel: pathlib.Path, folder: pathlib.Path, libraries: pathlib.Path) -
         "LD_LIBRARY_PATH": os.pathsep.join(paths),
         "PATH": os.pathsep.join(programs),
     }
-    command = [sys.executable, "-m", "auditwheel", "repair", "--wheel-dir", folder, wheel]
+    command: "list[str | pathlib.Path]" = [sys.executable, "-m", "auditwheel", "repair"]
+    command += ["--wheel-dir", folder, wheel]
     subprocess.run(command, env=environment, check=True, stdout=subprocess.DEVNULL)
     return next(folder.glob("*.whl"))
 
@@ -57,6 +59,16 @@ def original_name(path: str) -> str:
     return re.sub(r"-[0-9a-f]{8}(?=\.so)", "", path.rsplit("/", 1)[-1])
 
 
+def write(archive: zipfile.ZipFile, name: str, mode: int, data: bytes) -> None:
+    """With the time of SOURCE_DATE_EPOCH, or the first that a ZIP file knows: the same files give
+    the same wheel."""
+    first = 315532800  # 1980-01-01
+    seconds = max(first, int(os.environ.get("SOURCE_DATE_EPOCH", first)))
+    info = zipfile.ZipInfo(name, time.gmtime(seconds)[:6])
+    info.external_attr = mode
+    archive.writestr(info, data, zipfile.ZIP_DEFLATED)
+
+
 def add_licences(wheel: pathlib.Path) -> "list[str]":
     """Writes the wheel anew, with the licences. Returns the names of its libraries."""
     with zipfile.ZipFile(wheel) as archive:
@@ -66,17 +78,17 @@ def add_licences(wheel: pathlib.Path) -> "list[str]":
     foreign = [name for name in libraries if not name.startswith(tuple(SONAMES.values()))]
     record = next(info.filename for info, _ in members if info.filename.endswith("/RECORD"))
     folder = record[: -len("RECORD")] + "licenses/libraries/"
-    lines = dict(members)[next(i for i, _ in members if i.filename == record)].decode()
+    contents = {info.filename: (info.external_attr, data) for info, data in members}
+    lines = contents.pop(record)[1].decode().splitlines()
+    for owner, text in dict(map(licence, foreign)).items():
+        digest = base64.urlsafe_b64encode(hashlib.sha256(text).digest()).rstrip(b"=").decode()
+        contents[folder + owner] = (0o644 << 16, text)
+        lines.append("%s,sha256=%s,%d" % (folder + owner, digest, len(text)))
     partial = wheel.with_suffix(".partial")
-    with zipfile.ZipFile(partial, "w", zipfile.ZIP_DEFLATED) as archive:
-        for info, data in members:
-            if info.filename != record:
-                archive.writestr(info, data)
-        for owner, text in sorted(dict(map(licence, foreign)).items()):
-            digest = base64.urlsafe_b64encode(hashlib.sha256(text).digest()).rstrip(b"=").decode()
-            archive.writestr(folder + owner, text)
-            lines += "%s,sha256=%s,%d\n" % (folder + owner, digest, len(text))
-        archive.writestr(record, lines)
+    with zipfile.ZipFile(partial, "w") as archive:
+        for name, (mode, data) in sorted(contents.items()):
+            write(archive, name, mode, data)
+        write(archive, record, 0o644 << 16, "".join(sorted(line + "\n" for line in lines)).encode())
     partial.replace(wheel)
     return libraries
 

@@ -2,11 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """
 generate.py [DIRECTORY]   writes every scene, by default beside this file
-generate.py --check       writes none; says which of those beside this file differ from what would be written
+generate.py --check       writes none; says which of those beside this file differ
 
-Python's standard library only. Coordinates are stored as float32, so the last bit of a mathematics library's sine does not
-show (once in 10^4 files, if two libraries differ at all).
-"""
+Python's standard library only. Coordinates are stored as float32, so the last bit of a mathematics
+library's sine does not show (once in 10^4 files, if two libraries differ at all)."""
 
 import os
 import sys
@@ -50,10 +49,20 @@ def check(files):
             differ += 1
             continue
         if shipped != data:
-            first = next((i for i, (a, b) in enumerate(zip(shipped, data)) if a != b), min(len(shipped), len(data)))
-            print("%s: %d bytes, %d generated, first difference at byte %d" % (name, len(shipped), len(data), first))
+            first = next(
+                (i for i, (a, b) in enumerate(zip(shipped, data)) if a != b),
+                min(len(shipped), len(data)),
+            )
+            print(
+                "%s: %d bytes, %d generated, first difference at byte %d"
+                % (name, len(shipped), len(data), first)
+            )
             differ += 1
-    strangers = sorted(name for name in os.listdir(HERE) if name.endswith((".gltf", ".glb")) and name not in files and name != part.SOURCE)
+    strangers = sorted(
+        name
+        for name in os.listdir(HERE)
+        if name.endswith((".gltf", ".glb")) and name not in files and name != part.SOURCE
+    )
     for name in strangers:
         print("%s: has no generator" % name)
     print("%d scenes compared, %d differ" % (len(files), differ))

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 # SPDX-License-Identifier: Apache-2.0
-"""What ./run lint does by clang: lint.py STEP... with the build folder of MCV_LINT_BUILD or build/lint.
+"""What ./run lint does by clang: lint.py STEP... with the build folder of MCV_LINT_BUILD or
+build/lint.
 
 programs   every OpenCL program compiles for every set of features and every target
 headers    every header and stage of kernels/ and include/ compiles by itself as OpenCL C
@@ -12,6 +13,7 @@ What had no finding is kept in BUILD/clean under a hash of all that it was made 
 only what has changed is looked at again. System headers are not in the hash; without that folder
 everything is looked at. Python's standard library only.
 """
+
 import concurrent.futures
 import hashlib
 import json
@@ -25,11 +27,30 @@ import sys
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 BUILD = pathlib.Path(os.environ.get("MCV_LINT_BUILD", ROOT / "build" / "lint"))
 CLEAN = BUILD / "clean"
-TARGETS = ("x86_64-unknown-linux-gnu", "x86_64-unknown-linux-gnu -mavx2 -mfma",
-           "x86_64-unknown-linux-gnu -march=skylake-avx512", "spir64")
-OPENCL = ["clang", "-x", "cl", "-cl-std=CL1.2", "-O0", "-Wall", "-Wextra", "-Werror",
-          "-Xclang", "-finclude-default-header", "-Xclang", "-fdeclare-opencl-builtins",
-          "-I", "include", "-I", "kernels"]
+TARGETS = (
+    "x86_64-unknown-linux-gnu",
+    "x86_64-unknown-linux-gnu -mavx2 -mfma",
+    "x86_64-unknown-linux-gnu -march=skylake-avx512",
+    "spir64",
+)
+OPENCL = [
+    "clang",
+    "-x",
+    "cl",
+    "-cl-std=CL1.2",
+    "-O0",
+    "-Wall",
+    "-Wextra",
+    "-Werror",
+    "-Xclang",
+    "-finclude-default-header",
+    "-Xclang",
+    "-fdeclare-opencl-builtins",
+    "-I",
+    "include",
+    "-I",
+    "kernels",
+]
 HOST_ONLY = {"mcvisi.h"}  # the C API
 
 # Files that do not compile by themselves yet: an entry that compiles is a finding, too.
@@ -85,8 +106,11 @@ class Source:
 
     def relevant(self, defines):
         """The -D options without those of features that the source does not name."""
-        return [d for d in shlex.split(defines)
-                if not d.startswith("-DMCV_WITH_") or d[2:].split("=")[0] in self.features]
+        return [
+            d
+            for d in shlex.split(defines)
+            if not d.startswith("-DMCV_WITH_") or d[2:].split("=")[0] in self.features
+        ]
 
 
 class Compilation:
@@ -100,7 +124,8 @@ class Compilation:
         self.key = self.inputs
 
     def prepare(self):
-        """Features and targets change little of most programs: their key is of the preprocessed text."""
+        """Features and targets change little of most programs: their key is of the preprocessed
+        text."""
         if self.source.path.suffix == ".h":
             return
         found = run([*OPENCL, *self.flags, "-E", "-P", "-"], self.source.text)
@@ -143,21 +168,35 @@ def check_programs(feature_sets):
     print(f"== OpenCL programs: {', '.join(program_names())}; {len(feature_sets)} sets of features")
     # Code generation refuses little that the front end does not: all targets for all features.
     fullest = max(d.count("=1") for d in feature_sets)
-    failed = compile_all([Compilation(s, d, t, d.count("=1") == fullest)
-                          for s in map(Source, programs) for d in feature_sets for t in TARGETS])
+    failed = compile_all(
+        [
+            Compilation(s, d, t, d.count("=1") == fullest)
+            for s in map(Source, programs)
+            for d in feature_sets
+            for t in TARGETS
+        ]
+    )
     print("".join(failed.values()), end="")
     return not failed
 
 
 def check_headers(feature_sets, all_sets=True):
     programs = {f"{name}.cl" for name in program_names()}
-    tree = [p.relative_to(ROOT) for folder in ("include", "kernels")
-            for p in sorted((ROOT / folder).rglob("*")) if p.suffix in (".h", ".cl")]
-    paths = [p for p in tree if p.name not in HOST_ONLY
-             and p.relative_to(p.parts[0]).as_posix() not in programs]
+    tree = [
+        p.relative_to(ROOT)
+        for folder in ("include", "kernels")
+        for p in sorted((ROOT / folder).rglob("*"))
+        if p.suffix in (".h", ".cl")
+    ]
+    paths = [
+        p
+        for p in tree
+        if p.name not in HOST_ONLY and p.relative_to(p.parts[0]).as_posix() not in programs
+    ]
     print(f"== {len(paths)} headers and stages by themselves; {len(feature_sets)} sets of features")
-    failed = compile_all([Compilation(s, d, TARGETS[0], False)
-                          for s in map(Source, paths) for d in feature_sets])
+    failed = compile_all(
+        [Compilation(s, d, TARGETS[0], False) for s in map(Source, paths) for d in feature_sets]
+    )
     for name in sorted(set(failed) - NOT_BY_THEMSELVES):
         print(failed[name])
     stale = NOT_BY_THEMSELVES - set(failed) if all_sets else set()
@@ -176,9 +215,13 @@ def tidy_key(entry):
     """All that clang-tidy sees of a file, or None."""
     command = shlex.split(entry["command"])
     at = command.index("-o")
-    kept = command[1:at] + [c for c in command[at + 2:] if c not in ("-c", entry["file"])]
-    found = subprocess.run(["clang", *kept, "-MM", "-MT", "x", entry["file"]],
-                           cwd=entry["directory"], capture_output=True, text=True)
+    kept = command[1:at] + [c for c in command[at + 2 :] if c not in ("-c", entry["file"])]
+    found = subprocess.run(
+        ["clang", *kept, "-MM", "-MT", "x", entry["file"]],
+        cwd=entry["directory"],
+        capture_output=True,
+        text=True,
+    )
     if found.returncode != 0:
         return None
     seen = shlex.split(found.stdout.replace("\\\n", " "))[1:]
@@ -202,8 +245,7 @@ def tidy(entry):
 def check_tidy():
     known = set(run(["git", "ls-files", "*.c", "*.cpp"]).stdout.split())
     entries = json.loads((BUILD / "compile_commands.json").read_text())
-    ours = {e["file"]: e for e in entries
-            if os.path.relpath(e["file"], ROOT) in known}
+    ours = {e["file"]: e for e in entries if os.path.relpath(e["file"], ROOT) in known}
     print(f"== clang-tidy: {len(ours)} of {len(known)} sources")
     for name in sorted(known - {os.path.relpath(f, ROOT) for f in ours}):
         print(f"   not compiled here: {name}")

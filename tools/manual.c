@@ -12,7 +12,7 @@ typedef struct verb {
 } verb;
 
 static const verb verbs[] = {
-#define MCV_X(name, NAME, argument, doc) {#name, argument, doc},
+#define MCV_X(verb, VERB, name, argument, doc) {name, argument, doc},
     MCV_VERBS(MCV_X)
 #undef MCV_X
 };

@@ -43,8 +43,12 @@ def area():
 
 
 def parallel():
-    s = Sketch(580, 290, (130, 150), "Parallel emitter: every point sends its radiance into a cone "
-               "about the normal")
+    s = Sketch(
+        580,
+        290,
+        (130, 150),
+        "Parallel emitter: every point sends its radiance into a cone " "about the normal",
+    )
     half, beta = 95, 14
     s.panel((0, -half), (0, half), -9)
     for y in (72, -72):
@@ -88,11 +92,20 @@ def picture(s, left, low, across, down, size, words=True):
     for row in range(down):
         for column in range(across):
             x, y = left + column * size, low + (down - 1 - row) * size
-            s.area([(x, y), (x + size, y), (x + size, y + size), (x, y + size)],
-                   GREYS[(2 * row + 5 * column + row * column) % 6], INK, width=0.7)
+            s.area(
+                [(x, y), (x + size, y), (x + size, y + size), (x, y + size)],
+                GREYS[(2 * row + 5 * column + row * column) % 6],
+                INK,
+                width=0.7,
+            )
     if words:
-        s.text((left + across * size / 2, low + down * size + 14), "column 0 … W - 1", "middle",
-               DIM, 11)
+        s.text(
+            (left + across * size / 2, low + down * size + 14),
+            "column 0 … W - 1",
+            "middle",
+            DIM,
+            11,
+        )
         s.text((left - 6, low + down * size - size / 2), "row 0", "end", DIM, 11)
         s.text((left - 6, low + size / 2), "H - 1", "end", DIM, 11)
         s.arrow((left - 52, low), (left - 52, low + 30), FAINT, 1.1)
@@ -102,8 +115,12 @@ def picture(s, left, low, across, down, size, words=True):
 
 
 def telecentric_projector():
-    s = Sketch(720, 290, (150, 150), "Telecentric projector: each pixel of a picture is a parallel "
-               "emitter of its own")
+    s = Sketch(
+        720,
+        290,
+        (150, 150),
+        "Telecentric projector: each pixel of a picture is a parallel " "emitter of its own",
+    )
     half, beta, pixels = 90, 9, 6
     tall = 2 * half / pixels
     for i in range(pixels):
@@ -137,8 +154,12 @@ def projector():
     for i in range(pixels):
         y = (pixels / 2 - i) * tall
         s.area([(-b, y), (-b, y - tall), (-b - 9, y - tall), (-b - 9, y)], GREYS[i], INK, width=0.8)
-        s.area([(w, -y / m), (w, -(y - tall) / m), (w + 9, -(y - tall) / m), (w + 9, -y / m)],
-               GREYS[i], INK, width=0.8)
+        s.area(
+            [(w, -y / m), (w, -(y - tall) / m), (w + 9, -(y - tall) / m), (w + 9, -y / m)],
+            GREYS[i],
+            INK,
+            width=0.8,
+        )
     pixel = (-b, tall / 2)
     spot = (w, -pixel[1] / m)
     s.area([pixel, (0, half), spot, (0, -half)], LIGHT, opacity=0.18)
@@ -158,8 +179,12 @@ def projector():
 
 
 def light_field_emitter():
-    s = Sketch(760, 330, (60, 60), "Light field emitter: macro pixels say where, the pixels in them "
-               "in which direction")
+    s = Sketch(
+        760,
+        330,
+        (60, 60),
+        "Light field emitter: macro pixels say where, the pixels in them " "in which direction",
+    )
     size, count = 12, 5
     macro = size * count
     hues = ("#e9a29c", "#f3cf8f", "#a7d3b4", "#a9bfe8")
@@ -169,11 +194,19 @@ def light_field_emitter():
                 for j in range(count):
                     x, y = mx * macro + j * size, my * macro + k * size
                     tone = hues[(j * 2 + k * 3 + mx + my) % 4]
-                    s.area([(x, y), (x + size, y), (x + size, y + size), (x, y + size)], tone,
-                           "#ffffff", width=0.5)
+                    s.area(
+                        [(x, y), (x + size, y), (x + size, y + size), (x, y + size)],
+                        tone,
+                        "#ffffff",
+                        width=0.5,
+                    )
             x, y = mx * macro, my * macro
-            s.area([(x, y), (x + macro, y), (x + macro, y + macro), (x, y + macro)], "none", INK,
-                   width=1.6)
+            s.area(
+                [(x, y), (x + macro, y), (x + macro, y + macro), (x, y + macro)],
+                "none",
+                INK,
+                width=1.6,
+            )
     s.dimension((0, 0), (4 * macro, 0), "`spatialResolution`: M × N macro pixels", -22)
     s.dimension((0, 3 * macro), (macro, 3 * macro), "", 12)
     s.text((-4, 3 * macro + 32), "`angularResolution`: J × K pixels of a macro pixel", "start", DIM)
@@ -185,10 +218,21 @@ def light_field_emitter():
     for j in range(count + 1):
         x = o[0] + radius * (2 * j / count - 1)
         s.line([(x, o[1]), (x, o[1] - 9)], INK, 1.2)
-        s.text((x + radius / count, o[1] - 22), "j = %d" % j if j < count else "", "middle", DIM, 11)
+        s.text(
+            (x + radius / count, o[1] - 22), "j = %d" % j if j < count else "", "middle", DIM, 11
+        )
     i = polar(o, radius, 37)
-    s.area([(o[0] + radius * 0.6, o[1]), (o[0] + radius * 0.6, o[1] - 9),
-            (o[0] + radius, o[1] - 9), (o[0] + radius, o[1])], HUES[0], INK, width=0.6)
+    s.area(
+        [
+            (o[0] + radius * 0.6, o[1]),
+            (o[0] + radius * 0.6, o[1] - 9),
+            (o[0] + radius, o[1] - 9),
+            (o[0] + radius, o[1]),
+        ],
+        HUES[0],
+        INK,
+        width=0.6,
+    )
     s.arrow(o, i, HUES[0], 1.8)
     s.line([i, (i[0], o[1])], HUES[1], 1.2, "4 3")
     s.dot(o, "o", 120, INK, 14)
@@ -201,6 +245,11 @@ def light_field_emitter():
     return s
 
 
-DRAWINGS = {"area": area, "parallel": parallel, "collimated-beam": collimated_beam,
-            "telecentric-projector": telecentric_projector, "projector": projector,
-            "light-field-emitter": light_field_emitter}
+DRAWINGS = {
+    "area": area,
+    "parallel": parallel,
+    "collimated-beam": collimated_beam,
+    "telecentric-projector": telecentric_projector,
+    "projector": projector,
+    "light-field-emitter": light_field_emitter,
+}

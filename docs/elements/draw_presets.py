@@ -7,10 +7,21 @@ from sketch import DIM, FAINT, GLASS, INK, LIGHT, PALE, SIGHT, Sketch, polar
 
 
 def camera(s, p):
-    s.area([(p[0] - 16, p[1] + 8), (p[0] + 16, p[1] + 8), (p[0] + 16, p[1] + 34),
-            (p[0] - 16, p[1] + 34)], "#dddddd", INK)
-    s.area([(p[0] - 9, p[1]), (p[0] + 9, p[1]), (p[0] + 12, p[1] + 8), (p[0] - 12, p[1] + 8)],
-           GLASS, INK)
+    s.area(
+        [
+            (p[0] - 16, p[1] + 8),
+            (p[0] + 16, p[1] + 8),
+            (p[0] + 16, p[1] + 34),
+            (p[0] - 16, p[1] + 34),
+        ],
+        "#dddddd",
+        INK,
+    )
+    s.area(
+        [(p[0] - 9, p[1]), (p[0] + 9, p[1]), (p[0] + 12, p[1] + 8), (p[0] - 12, p[1] + 8)],
+        GLASS,
+        INK,
+    )
     s.text((p[0] + 24, p[1] + 22), "camera", "start")
 
 
@@ -25,25 +36,36 @@ def turned(p, angle):
 
 
 def ring():
-    s = Sketch(640, 320, (280, 175), "Ring light: a band about the view, flat or tilted to the axis")
+    s = Sketch(
+        640, 320, (280, 175), "Ring light: a band about the view, flat or tilted to the axis"
+    )
     inner, outer, tilt = 78, 150, 30
     middle, half = (inner + outer) / 2, (outer - inner) / 2
     s.line([(0, -150), (0, 130)], FAINT, 1, "12 4 2 4")
     for sign in (1, -1):
         s.line([(sign * inner, 0), (sign * outer, 0)], FAINT, 1.2, "5 4")
-        # The inner edge goes back (up), the outer one forward (down), until the band faces the axis.
-        a, b = ((sign * (middle + k * half * math.cos(math.radians(tilt))),
-                 -k * half * math.sin(math.radians(tilt))) for k in (-1, 1))
+        # The inner edge goes back (up), the outer one forward (down), until the band faces the
+        # axis.
+        a, b = (
+            (
+                sign * (middle + k * half * math.cos(math.radians(tilt))),
+                -k * half * math.sin(math.radians(tilt)),
+            )
+            for k in (-1, 1)
+        )
         s.panel(*((a, b) if sign < 0 else (b, a)))
         axis = -90 - sign * tilt
         for k in (-0.75, 0, 0.75):
-            at = (sign * (middle + k * half * math.cos(math.radians(tilt))),
-                  -k * half * math.sin(math.radians(tilt)))
+            at = (
+                sign * (middle + k * half * math.cos(math.radians(tilt))),
+                -k * half * math.sin(math.radians(tilt)),
+            )
             s.arrow(at, polar(at, 52, axis), LIGHT, 1.2)
         if sign > 0:
             at = (middle, 0)
-            s.area([at] + [polar(at, 112, axis + 14 * k / 4) for k in range(-4, 5)], LIGHT,
-                   opacity=0.2)
+            s.area(
+                [at] + [polar(at, 112, axis + 14 * k / 4) for k in range(-4, 5)], LIGHT, opacity=0.2
+            )
             s.angle(at, 112, axis, axis - 14, "", 12)
             s.text((108, -100), "`halfAngle` β", "start", DIM)
     s.angle((-middle, 0), half + 14, 180, 180 + tilt, "`tilt`")
@@ -63,8 +85,11 @@ def bar():
     s = Sketch(680, 270, (170, 150), "Bar light: a rectangle that shines along -z")
     s.panel((70, 0), (-70, 0))
     for x in (-50, 0, 50):
-        s.area([(x, 0)] + [polar((x, 0), 84, -90 + 16 * k / 4) for k in range(-4, 5)], LIGHT,
-               opacity=0.2)
+        s.area(
+            [(x, 0)] + [polar((x, 0), 84, -90 + 16 * k / 4) for k in range(-4, 5)],
+            LIGHT,
+            opacity=0.2,
+        )
         s.arrow((x, 0), (x, -84), LIGHT, 1.2)
     s.angle((50, 0), 92, -90, -74, "`halfAngle` β", 12, -76)
     s.dimension((-70, 7), (70, 7), "`length`", 26)
@@ -85,14 +110,22 @@ def bar():
 
 
 def dome():
-    s = Sketch(600, 340, (230, 120), "Dome light: uniform radiance from a hemisphere with a hole "
-               "for the camera")
+    s = Sketch(
+        600,
+        340,
+        (230, 120),
+        "Dome light: uniform radiance from a hemisphere with a hole " "for the camera",
+    )
     radius, hole = 130, 26
     edge = math.degrees(math.acos(hole / radius))
     for first, last in ((0, edge), (180 - edge, 180)):
         rim = [first + (last - first) * k / 24 for k in range(25)]
-        s.area([polar((0, 0), radius, a) for a in rim] +
-               [polar((0, 0), radius + 9, a) for a in reversed(rim)], PALE, LIGHT)
+        s.area(
+            [polar((0, 0), radius, a) for a in rim]
+            + [polar((0, 0), radius + 9, a) for a in reversed(rim)],
+            PALE,
+            LIGHT,
+        )
     s.line([(0, -50), (0, 150)], FAINT, 1, "12 4 2 4")
     for angle in (10, 30, 50, 130, 150, 170):
         at = polar((0, 0), radius, angle)
@@ -111,8 +144,9 @@ def dome():
 
 
 def coaxial():
-    s = Sketch(640, 340, (250, 185), "Coaxial light: a half mirror at 45 degrees and a panel beside "
-               "it")
+    s = Sketch(
+        640, 340, (250, 185), "Coaxial light: a half mirror at 45 degrees and a panel beside " "it"
+    )
     h = 104  # the window's height; y of the node to the right, z up
     s.line([(0, -150), (0, 130)], FAINT, 1, "12 4 2 4")
     s.line([(-h / 2, -h / 2), (h / 2, h / 2)], "#2b7bb9", 3.5)
@@ -120,7 +154,15 @@ def coaxial():
     s.panel((x, -h / 2), (x, h / 2), 9)
     s.line([(-x, -h / 2), (-x, h / 2)], INK, 6)
     for y in (-24, 22):
-        s.ray([(x, y), (y, y), (y, -118), ], LIGHT, 1.3)
+        s.ray(
+            [
+                (x, y),
+                (y, y),
+                (y, -118),
+            ],
+            LIGHT,
+            1.3,
+        )
     s.line([(22, 22), (-x, 22)], LIGHT, 1, "4 3")
     s.ray([(0, -118), (0, 68)], SIGHT, 1.8)
     part(s, -120, 60)

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Rough materials: the profile of microfacets, and the lobes that GGX gives for three roughnesses."""
+"""Rough materials: the profile of microfacets, and the lobes that GGX gives for three
+roughnesses."""
 
 import math
 
@@ -9,11 +10,9 @@ BACK = HUES[3]
 
 
 def ggx_lobe(alpha, angle):
-    """
-    What microfacets of this α reflect once, times the cosine, in the plane of incidence: D G/(4 cos θ)
-    with Smith's height-correlated G, for perfectly reflecting facets. Angles in degrees from the
-    normal, positive towards the mirror direction.
-    """
+    """What microfacets of this α reflect once, times the cosine, in the plane of incidence: D G/(4
+    cos θ) with Smith's height-correlated G, for perfectly reflecting facets. Angles in degrees from
+    the normal, positive towards the mirror direction."""
     i = math.radians(-angle)
 
     def smith(a):
@@ -24,7 +23,7 @@ def ggx_lobe(alpha, angle):
         if abs(out) > 89:
             return 0
         h = (i + o) / 2
-        d = alpha ** 2 / (math.pi * (math.cos(h) ** 2 * (alpha ** 2 - 1) + 1) ** 2)
+        d = alpha**2 / (math.pi * (math.cos(h) ** 2 * (alpha**2 - 1) + 1) ** 2)
         return d / (1 + smith(i) + smith(o)) / (4 * math.cos(i))
 
     return value
@@ -56,17 +55,26 @@ def roughness():
     s.wall((at[0] - 150, 0), (at[0] + 112, 0))
     s.ray([polar(at, 170, 90 + 40), at], SIGHT, 1.6)
     for value, colour, length in ((0.6, HUES[3], 62), (0.4, HUES[2], 108), (0.25, HUES[1], 165)):
-        s.lobe(at, 90, length, scaled(ggx_lobe(value ** 2, 40)), "none", colour)
-        s.text((at[0] + 122, 36 + (length - 62) * 0.95),
-               "`roughness` %g: α = %.3g" % (value, value ** 2), "start", colour, 12)
+        s.lobe(at, 90, length, scaled(ggx_lobe(value**2, 40)), "none", colour)
+        s.text(
+            (at[0] + 122, 36 + (length - 62) * 0.95),
+            "`roughness` %g: α = %.3g" % (value, value**2),
+            "start",
+            colour,
+            12,
+        )
     s.line([at, (at[0], 160)], FAINT, 1, "5 4")
     s.text((at[0] - 10, -36), "the lobes are not to one scale")
     return s
 
 
 def conductor():
-    s = Sketch(720, 270, (210, 70), "Conductor: a metal reflects by Fresnel's formulas, rough or "
-               "brushed")
+    s = Sketch(
+        720,
+        270,
+        (210, 70),
+        "Conductor: a metal reflects by Fresnel's formulas, rough or " "brushed",
+    )
     s.wall((-160, 0), (160, 0))
     s.lobe((0, 0), 90, 150, scaled(ggx_lobe(0.09, 45)))
     s.line([(0, 0), (0, 150)], FAINT, 1, "5 4")
@@ -81,8 +89,10 @@ def conductor():
     s.area([(x - 75, y - 75), (x + 75, y - 75), (x + 75, y + 75), (x - 75, y + 75)], "#eeeeee", INK)
     for k in range(-6, 7):
         s.line([(x + 10 * k, y - 70), (x + 10 * k, y + 70)], FAINT, 0.7)
-    oval = [(x + 60 * math.cos(math.radians(3 * a)), y + 18 * math.sin(math.radians(3 * a)))
-            for a in range(120)]
+    oval = [
+        (x + 60 * math.cos(math.radians(3 * a)), y + 18 * math.sin(math.radians(3 * a)))
+        for a in range(120)
+    ]
     s.area(oval, PALE, LIGHT, 0.8)
     s.arrow((x, y), (x + 92, y), EDGE, 1.6)
     s.text((x + 90, y + 14), "tangent", "middle", EDGE)
@@ -93,8 +103,12 @@ def conductor():
 
 
 def metallic_roughness():
-    s = Sketch(640, 300, (240, 150), "Metallic-roughness: a gloss above a diffuse base, thin "
-               "transmission below")
+    s = Sketch(
+        640,
+        300,
+        (240, 150),
+        "Metallic-roughness: a gloss above a diffuse base, thin " "transmission below",
+    )
     s.area([(-180, 0), (180, 0), (180, -16), (-180, -16)], "#f3e3e1", INK)
     s.area([(-180, 4), (180, 4), (180, 0), (-180, 0)], GLASS, EDGE, width=0.8)
     s.lobe((0, 4), 90, 62, lambda a: math.cos(math.radians(a)), "#f6d9d6", SIGHT)
@@ -113,5 +127,8 @@ def metallic_roughness():
     return s
 
 
-DRAWINGS = {"roughness": roughness, "conductor": conductor,
-            "metallic-roughness": metallic_roughness}
+DRAWINGS = {
+    "roughness": roughness,
+    "conductor": conductor,
+    "metallic-roughness": metallic_roughness,
+}

@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Sensors from the side: the scene lies to the right, the optical axis is z of the optical frame."""
+"""Sensors from the side: the scene lies to the right, the optical axis is z of the optical
+frame."""
 
 from sketch import DIM, FAINT, HUES, INK, SIGHT, Sketch
 
@@ -26,8 +27,12 @@ def pinhole():
 
 
 def thin_lens():
-    s = Sketch(720, 330, (250, 180), "Thin lens camera: a ray of sight from the film through the "
-               "lens to the plane in focus")
+    s = Sketch(
+        720,
+        330,
+        (250, 180),
+        "Thin lens camera: a ray of sight from the film through the " "lens to the plane in focus",
+    )
     f, w, half = 80, 300, 72
     b = f * w / (w - f)
     m = b / w
@@ -62,8 +67,12 @@ def thin_lens():
 
 
 def telecentric():
-    s = Sketch(760, 380, (300, 205), "Telecentric camera: every chief ray is parallel to the axis "
-               "on the object's side")
+    s = Sketch(
+        760,
+        380,
+        (300, 205),
+        "Telecentric camera: every chief ray is parallel to the axis " "on the object's side",
+    )
     f, b, stop, half = 105, 175, 13, 104
     m = (b - f) / f
     work = b * f / (b - f)
@@ -107,8 +116,13 @@ def telecentric():
 
 
 def light_field():
-    s = Sketch(760, 360, (400, 195), "Light field camera: the pixels behind a microlens look at one "
-               "focused point through different places of the main lens")
+    s = Sketch(
+        760,
+        360,
+        (400, 195),
+        "Light field camera: the pixels behind a microlens look at one "
+        "focused point through different places of the main lens",
+    )
     f, b, half, lenses, pixels = 90, 150, 75, 5, 4
     w = b * f / (b - f)
     pitch = 28
@@ -131,8 +145,17 @@ def light_field():
         o = half * (2 * (j + 0.5) / pixels - 1)
         pixel = (behind, c + (c - o) * micro / b)
         tall = half / pixels * micro / b
-        s.area([(behind, pixel[1] - tall), (behind, pixel[1] + tall), (behind - 8, pixel[1] + tall),
-                (behind - 8, pixel[1] - tall)], HUES[j], INK, width=0.6)
+        s.area(
+            [
+                (behind, pixel[1] - tall),
+                (behind, pixel[1] + tall),
+                (behind - 8, pixel[1] + tall),
+                (behind - 8, pixel[1] - tall),
+            ],
+            HUES[j],
+            INK,
+            width=0.6,
+        )
         s.line([pixel, (-b, c)], HUES[j], 1.2)
         s.ray([(-b, c), (0, o), focused], HUES[j], 1.3)
         s.circle((0, o), 2.4, HUES[j], HUES[j])
@@ -164,5 +187,9 @@ def light_field():
     return s
 
 
-DRAWINGS = {"pinhole": pinhole, "thin-lens": thin_lens, "telecentric": telecentric,
-            "light-field": light_field}
+DRAWINGS = {
+    "pinhole": pinhole,
+    "thin-lens": thin_lens,
+    "telecentric": telecentric,
+    "light-field": light_field,
+}

@@ -8,8 +8,11 @@ from sketch import DIM, EDGE, FAINT, GLASS, INK, LIGHT, Sketch, polar
 
 def sag(r, radius):
     """z of a sphere at the distance r from its axis; a plane has the radius 0."""
-    return r * r / (radius + math.copysign(math.sqrt(radius * radius - r * r), radius)) \
-        if radius else 0.0
+    return (
+        r * r / (radius + math.copysign(math.sqrt(radius * radius - r * r), radius))
+        if radius
+        else 0.0
+    )
 
 
 def meet(p, d, vertex, radius):
@@ -25,7 +28,8 @@ def meet(p, d, vertex, radius):
 
 
 def refract(d, n, ratio):
-    """Snell's law for unit vectors, n along the light; ratio is the index before over that behind."""
+    """Snell's law for unit vectors, n along the light; ratio is the index before over that
+    behind."""
     c = d[0] * n[0] + d[1] * n[1]
     cosine = math.sqrt(1 - ratio * ratio * (1 - c * c))
     k = cosine - ratio * c
@@ -45,13 +49,18 @@ def trace(p, surfaces, end):
 def outline(first, second, half):
     """The section of a lens between two (vertex, radius)."""
     ys = [half * k / 16 for k in range(-16, 17)]
-    return [(first[0] + sag(y, first[1]), y) for y in ys] + \
-        [(second[0] + sag(y, second[1]), y) for y in reversed(ys)]
+    return [(first[0] + sag(y, first[1]), y) for y in ys] + [
+        (second[0] + sag(y, second[1]), y) for y in reversed(ys)
+    ]
 
 
 def lens():
-    s = Sketch(760, 340, (190, 175), "Lens: surfaces in a row along the node's +z, here a cemented "
-               "doublet")
+    s = Sketch(
+        760,
+        340,
+        (190, 175),
+        "Lens: surfaces in a row along the node's +z, here a cemented " "doublet",
+    )
     half = 80
     a, b, c = (0, 190), (52, -150), (78, -560)
     s.axis(-160, 540)
@@ -88,8 +97,12 @@ def lens():
 
 
 def surface():
-    s = Sketch(640, 300, (330, 150), "Surface: one optical surface by itself, here a paraboloid "
-               "with a hole")
+    s = Sketch(
+        640,
+        300,
+        (330, 150),
+        "Surface: one optical surface by itself, here a paraboloid " "with a hole",
+    )
     half, hole, f = 110, 24, 150
     curve = [(-y * y / (4 * f), y) for y in range(-half, half + 1, 2)]
     for sign in (1, -1):
@@ -115,16 +128,21 @@ def surface():
 
 
 def ellipse(s, centre, a, b, first=0, last=360, colour=INK, width=1.4, dash=None):
-    points = [(centre[0] + a * math.cos(math.radians(t)), centre[1] + b * math.sin(math.radians(t)))
-              for t in range(first, last + 1, 5)]
+    points = [
+        (centre[0] + a * math.cos(math.radians(t)), centre[1] + b * math.sin(math.radians(t)))
+        for t in range(first, last + 1, 5)
+    ]
     s.line(points, colour, width, dash)
     return points
 
 
 def axes(s, at, z="+z"):
     """z to the right, y up, x away from the reader."""
-    for tip, words, spot in (((30, 0), z, (42, 0)), ((0, 30), "y", (0, 40)),
-                             ((17, 17), "x", (25, 21))):
+    for tip, words, spot in (
+        ((30, 0), z, (42, 0)),
+        ((0, 30), "y", (0, 40)),
+        ((17, 17), "x", (25, 21)),
+    ):
         s.arrow(at, (at[0] + tip[0], at[1] + tip[1]), FAINT, 1.1)
         s.text((at[0] + spot[0], at[1] + spot[1]), words, "middle", FAINT, 11)
 
@@ -170,8 +188,14 @@ def box():
 def cylinder():
     s = Sketch(480, 240, (190, 125), "Cylinder: along z, about the node's origin")
     a, b, half = 24, 70, 95
-    s.area([(-half, b), (half, b)] + ellipse(s, (half, 0), a, b, -90, 90, EDGE)[::-1] +
-           [(-half, -b)] + ellipse(s, (-half, 0), a, b, 90, 270, EDGE)[::-1], GLASS, EDGE)
+    s.area(
+        [(-half, b), (half, b)]
+        + ellipse(s, (half, 0), a, b, -90, 90, EDGE)[::-1]
+        + [(-half, -b)]
+        + ellipse(s, (-half, 0), a, b, 90, 270, EDGE)[::-1],
+        GLASS,
+        EDGE,
+    )
     s.area(ellipse(s, (half, 0), a, b, 0, 360, EDGE), "#c3dcf0", EDGE)
     s.line([(-half - 40, 0), (half + 50, 0)], FAINT, 1, "12 4 2 4")
     s.dot((0, 0), "origin", 90)
@@ -197,5 +221,11 @@ def sphere():
     return s
 
 
-DRAWINGS = {"lens": lens, "surface": surface, "disc": disc, "box": box, "cylinder": cylinder,
-            "sphere": sphere}
+DRAWINGS = {
+    "lens": lens,
+    "surface": surface,
+    "disc": disc,
+    "box": box,
+    "cylinder": cylinder,
+    "sphere": sphere,
+}

@@ -1,9 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The modulation transfer function of a lens, applied to an image of light: what geometrical optics
- * does not know. The lens is the same all over the image and turns no phase. An image holds its
- * spectrum up to the Nyquist frequency only; what was folded down from beyond it when the pixels
- * were filled is passed as if it were what it looks like.
+ * The modulation transfer function of a lens, applied to an image of light: rays leave it out. The
+ * lens is the same all over the image and shifts no phase. An image holds its spectrum up to the
+ * Nyquist frequency only. Aliased frequencies are filtered as those that they look like.
  */
 #ifndef MCVISI_HOST_ANALYSIS_BLUR_H
 #define MCVISI_HOST_ANALYSIS_BLUR_H
@@ -39,11 +38,11 @@ double mcv_lens_modulation(const mcv_lens_mtf *mtf, double frequency);
 mcv_result mcv_mtf_read(const char *path, mcv_mtf_row **rows, size_t *count, mcv_error *error);
 
 /*
- * Blurs every channel in place, by mtf[channel] (of channels beyond the third: the third); pitch is
- * the pixel's width and height [m]. Beyond its border the image goes on as its outermost pixels do.
- * Light that would become negative is 0. light_error, the standard errors, may be NULL; those of
- * neighbours are taken as independent before, and after are correlated as *correlation says (NULL:
- * not asked for), the mean over the channels.
+ * Blurs every channel in place, by mtf[channel] (channels beyond the third: by the third); pitch is
+ * the pixel's width and height [m]. The outermost pixels continue beyond the border. Light that
+ * would become negative is 0. light_error, the standard errors, may be NULL. Errors of neighbours
+ * are independent before. *correlation (or NULL) gets their correlation afterwards, the mean over
+ * the channels.
  */
 mcv_result mcv_blur(mcv_image *light, mcv_image *light_error, const mcv_lens_mtf mtf[3],
                     const double pitch[2], mcv_correlation *correlation, mcv_error *error);

@@ -37,7 +37,7 @@ mcv_result mcv_circle_parse(const char *text, size_t number, const mcv_image *im
 /*
  * Finds the circle with the strongest edge; of circle the name, the box and `whole` are read; least
  * as for mcv_edge_locate(). MCV_FAILED says why there is none: no edge, too little room, a radius
- * too small for its blur, or an arc too short to tell its radius.
+ * too small for its blur, or an arc too short for a radius.
  */
 mcv_result mcv_circle_locate(mcv_readings *readings, double least, mcv_circle *circle,
                              mcv_error *error);

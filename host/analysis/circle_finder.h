@@ -27,6 +27,7 @@ typedef struct mcv_circle_scan {
     double cosine;         /* of its angle to the normal */
     double by_level[2];    /* of the place by the levels outside and inside */
     double variance;       /* of the place by its own pixels */
+    double shared;         /* what it adds to the variance of a sum over many scans */
 } mcv_circle_scan;
 
 typedef struct mcv_circle_finder {
@@ -88,13 +89,13 @@ mcv_result mcv_circle_find_guess(const mcv_image *image, const mcv_circle *circl
 void mcv_circle_make_scans(mcv_circle_finder *f);
 
 /*
- * Places farther off than five times what noise, or the median of all distances, says do not count;
- * at least a tenth of a pixel is allowed. Sectors without such places and with others are seen.
+ * Rejects places farther off than five times the noise, or the median of all distances, but none
+ * within a tenth of a pixel. A sector is seen if it has places and none is rejected.
  */
 bool mcv_circle_judge_scans(mcv_circle_finder *f, double *sizes);
 
-/* One step of least squares. Distances count by arc length: a scan has 1/cosine of it. False where
- * they do not tell three numbers. */
+/* One step of least squares. Distances are weighted by arc length: a scan has 1/cosine of it. False
+ * where they do not determine three numbers. */
 bool mcv_circle_solve(mcv_circle_finder *f, bool move);
 
 /* circle_ring.c: calls for every pixel of a seen sector in the ring of the window and the plateaus,

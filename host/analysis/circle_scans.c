@@ -53,10 +53,10 @@ static bool make_scan(const mcv_circle_finder *f, bool along_rows, uint32_t line
     double inside = 0;
     for (size_t k = (size_t)s->from; (double)k < s->to; ++k) {
         const size_t i = along_rows ? (size_t)line * image->width + k : k * image->width + line;
-        const double share = mcv_overlap(k, s->from, s->to);
+        const double share = mcv_overlap(k, s->from, s->to), part = share * share / (step * step);
         inside += share * (image->pixels[i] - f->level[0]) / step;
-        s->variance +=
-            share * share * mcv_readings_summed_variance(f->readings, i, 1) / (step * step);
+        s->variance += part * mcv_readings_summed_variance(f->readings, i, 1);
+        s->shared += part * mcv_readings_summed_variance(f->readings, i, 2);
     }
     s->place = turn > 0 ? s->from + inside : s->to - inside;
     s->by_level[0] = turn * (inside - (s->to - s->from)) / step;

@@ -100,12 +100,13 @@ mcv_scatter mcv_circle_scatter(const mcv_circle_finder *f) {
             for (int k = 0; k < 3; ++k)
                 taken += s->cosine * s->gradient[j] * f->inverse[j][k] * s->gradient[k];
         const double square = s->cosine * pow(s->place - s->model, 2),
-                     noise = s->cosine * s->variance;
+                     noise = s->cosine * s->variance, shared = s->cosine * s->shared,
+                     own = mcv_readings_squared_covariance(f->readings, noise, shared);
         all.count += 1 / s->cosine;
         all.squares += square;
-        all.noise += noise * (1 - taken);
-        all.variance += 2 * noise * noise * fmax(0, 1 - 2 * taken);
-        all.crossed += 4 * fmax(0, square - noise) * noise;
+        all.noise += noise - shared * taken;
+        all.variance += 2 * fmax(0, own - 2 * taken * shared * shared);
+        all.crossed += 4 * fmax(0, square - noise) * shared;
         for (size_t k = 0; k < f->scan_count && s->along_rows; ++k) {
             const mcv_circle_scan *other = f->scans + k;
             if (other->along_rows || !other->used) continue;

@@ -146,9 +146,9 @@ mcv_unit_outcome mcv_compare_unit(const mcv_compared *x, const mcv_compared *y,
         o.counts = sqrt(difference.variance) > rounding && enough_events(x, &vx.estimate) &&
                    enough_events(y, &vy.estimate);
         /*
-         * The replicates of one pixel may be alike by chance, as at an edge where each counts the
-         * same samples: their deviation tells little. No rank test of them could say more than
-         * this.
+         * The replicates of one pixel may be equal by chance, as at an edge where each counts the
+         * same samples: their deviation is no estimate then. This p-value is the least that a rank
+         * test of as many replicates can have.
          */
         const bool pixel = region->width == 1 && region->height == 1;
         o.p = equal ? 1 : fmax(o.uniform, pixel ? 2 * x->rank_table[0] : 0);

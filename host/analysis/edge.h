@@ -22,7 +22,8 @@ typedef struct mcv_edge_rows {
     double at, slope;                   /* the line's place in the middle row, and by row */
     double variance_at, variance_slope; /* of the noise; that of the plateaus is in the first */
     double squares;       /* Σ of the squared distances of the places from the line */
-    double noise, noise2; /* Σ of the rows' own variances, and of their squares */
+    double noise, noise2; /* Σ of the rows' own variances, and of their squared covariances */
+    double shared;        /* the mean of what a row adds to the variance of a sum over many */
 } mcv_edge_rows;
 
 typedef struct mcv_edge {

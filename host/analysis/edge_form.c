@@ -11,10 +11,10 @@ typedef struct row_place {
 } row_place;
 
 /*
- * The places by polynomials that are orthogonal on the rows, each with its coefficient (Forsythe
- * 1957). That of the second degree is the arc. The next six tell what deviations of such lengths
- * come from anything but an arc and the noise of independent pixels, as of a corner behind a blur:
- * where they are clearly larger than that noise, they are the arc's uncertainty.
+ * Fits the places by polynomials that are orthogonal on the rows (Forsythe 1957). The coefficient
+ * of the second degree is the arc. The next six estimate deviations of such lengths from other
+ * causes than an arc and the noise of independent pixels, such as a blurred corner. Where they are
+ * clearly larger than that noise, they are the arc's uncertainty.
  */
 static void find_sagitta(row_place *rows, size_t n, mcv_quantity *sagitta) {
     enum { ARC = 2, LAST = 8 };
@@ -69,9 +69,11 @@ bool mcv_edge_find_form(const mcv_edge_patch *p, const mcv_edge_line *l, mcv_edg
         rows->spread += off * off;
         rows->squares += from * from;
         rows->noise += found.variance;
-        rows->noise2 += found.variance * found.variance;
+        rows->noise2 += mcv_readings_squared_covariance(p->readings, found.variance, found.shared);
+        rows->shared += found.shared;
     }
     rows->count = (double)n;
+    rows->shared /= rows->count;
     find_sagitta(places, n, &edge->sagitta);
     free(places);
     /* x² rises by a quarter of the chord's square from the middle to its ends; along the normal

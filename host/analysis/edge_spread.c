@@ -49,9 +49,9 @@ static size_t next_bin(const mcv_edge_bins *b, size_t bin, int direction) {
 }
 
 /*
- * Where the spread function passes a level between its plateaus, the nearest to the edge: noise may
- * pass it anywhere. Between two bins it rises, nobody knows how; their distance times what it rises
- * is taken as the width of a uniform distribution.
+ * Where the spread function passes a level between its plateaus, nearest to the edge: noise may
+ * pass it elsewhere. Its form between two bins is unknown: their distance times its rise is taken
+ * as the width of a uniform distribution.
  */
 static mcv_quantity crossing(const mcv_edge_bins *b, const mcv_edge_line *l, double level) {
     const int outwards = level < 0.5 ? -1 : 1;
@@ -83,7 +83,7 @@ typedef struct nearby {
     double misfit; /* the variance about the parabola over that of the noise */
 } nearby;
 
-/* False where the parabola does not tell the level better than one pixel in the place would. */
+/* False where the parabola knows the level no better than one pixel in the place would. */
 static bool look_near(const mcv_edge_patch *p, const mcv_edge_line *l, double place, double reach,
                       nearby *n) {
     const double cosine = 1 / sqrt(1 + l->slope * l->slope), step = l->right.value - l->left.value;
@@ -122,12 +122,11 @@ static bool look_near(const mcv_edge_patch *p, const mcv_edge_line *l, double pl
 }
 
 /*
- * Bins are too wide for the bends that a sharp edge has at its foot: pixels right around the
- * crossing tell, by a parabola, which follows a round foot. A bend within its reach h misleads it
- * by up to 0.02 h; h is so short that this is a fifth of what the noise σ of M pixels per pixel of
- * the normal does, 1.5 σ/√(2hM), but holds 8 pixels, or 6 where they are sparse. With those, where
- * the parabola misses them by clearly more than their noise, that is what is uncertain (Birge's
- * ratio).
+ * Bins are too wide for the bends that a sharp edge has at its foot. A parabola through the pixels
+ * right around the crossing follows a round foot. A bend within its reach h shifts the crossing by
+ * up to 0.02 h. h is so short that this is a fifth of the effect 1.5 σ/√(2hM) of the noise σ of M
+ * pixels per pixel of the normal, but holds 8 pixels, or 6 where they are sparse. If the parabola
+ * misses these by clearly more than their noise, the misfit is the uncertainty (Birge's ratio).
  */
 static mcv_quantity refine(const mcv_edge_patch *p, const mcv_edge_line *l, double target,
                            mcv_quantity rough) {

@@ -51,14 +51,15 @@ static mcv_scatter scatter_of(const mcv_edge_rows *edges, size_t count, const su
         const mcv_edge_rows *e = edges + i;
         const double off = e->middle - s->row, from = e->at - s->place - s->slope * off,
                      turned = e->slope - s->slope;
-        const double own = 1 - 2 / e->count,
+        /* The line takes out two sums over many rows. */
+        const double own = e->noise - 2 * e->shared, own2 = e->noise2 - 2 * e->shared * e->shared,
                      at = e->count * e->variance_at *
                           (1 - e->count * (1 / s->count + off * off / s->spread)),
                      slope = e->spread * e->variance_slope * (1 - e->spread / s->spread);
         all.squares += e->squares + e->count * from * from + e->spread * turned * turned;
-        all.noise += e->noise * own + at + slope;
-        all.variance += 2 * (e->noise2 * own + at * at + slope * slope);
-        all.crossed += 4 * (fmax(0, e->squares - e->noise * own) * e->noise / e->count +
+        all.noise += own + at + slope;
+        all.variance += 2 * (own2 + at * at + slope * slope);
+        all.crossed += 4 * (fmax(0, e->squares - own) * e->shared +
                             e->count * from * from * e->count * e->variance_at +
                             e->spread * turned * turned * e->spread * e->variance_slope);
     }
@@ -160,9 +161,10 @@ static double mean_of(const double *values, uint32_t from, uint32_t to) {
 }
 
 /*
- * Which pixels of the profile the two edges are in. A tilted edge's profile is a ramp without a
- * steepest place: between the profile's strongest rise and fall the middle third tells one plateau,
- * the outer halves the other, and a step of the same light the place. False where there is no room.
+ * The pixels of the profile in which the two edges are. A tilted edge's profile is a ramp without a
+ * steepest place. Between the profile's strongest rise and fall, the middle third gives one
+ * plateau, the outer halves give the other. The edge is where a step between them would have the
+ * same light. False where there is no room.
  */
 static bool find_middles(const double *profile, uint32_t length, uint32_t middles[2]) {
     double most[2] = {0, 0};

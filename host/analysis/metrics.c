@@ -3,6 +3,7 @@
 
 #include "core/json.h"
 
+#include <ctype.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -11,16 +12,16 @@
 /* --- names --- */
 
 static const char *const region_figures[] = {
-#define MCV_X(member, name) name,
+#define MCV_X(member, name, unit) name,
     MCV_REGION_METRICS(MCV_X)
 #undef MCV_X
 };
 static const char *const contrast_figures[] = {
-#define MCV_X(member, name) name,
+#define MCV_X(member, name, unit) name,
     MCV_CONTRAST_METRICS(MCV_X)
 #undef MCV_X
 };
-#define MCV_X(member, name) name,
+#define MCV_X(member, name, unit) name,
 static const char *const edge_figures[] = {MCV_EDGE_METRICS(MCV_X) "mtf50", "mtf_at_nyquist",
                                            "width_10_90_length", "distance", "length"};
 static const char *const line_figures[] = {MCV_LINE_METRICS(MCV_X) "straightness_length",
@@ -198,6 +199,44 @@ mcv_result mcv_metric_known(void *user, const char *name, mcv_quantity *quantity
     return choose(user, name, &chosen, error);
 }
 
+/* --- units --- */
+
+static const char *figure_unit(const char *figure, size_t length) {
+    static const struct {
+        const char *name, *unit;
+    } figures[] = {
+#define MCV_X(member, name, unit) {name, unit},
+        MCV_REGION_METRICS(MCV_X) MCV_CONTRAST_METRICS(MCV_X) MCV_EDGE_METRICS(MCV_X)
+            MCV_LINE_METRICS(MCV_X) MCV_CALIPER_METRICS(MCV_X) MCV_CIRCLE_METRICS(MCV_X)
+#undef MCV_X
+                {"mtf50", "cycles/pixel"},
+        {"distance", "pixels"},
+        {"line_distance", "pixels"},
+    };
+    static const char in_metres[] = "length";
+    const size_t ending = sizeof in_metres - 1;
+    if (length >= ending && strncmp(figure + length - ending, in_metres, ending) == 0) return "m";
+    for (size_t i = 0; i < COUNT_OF(figures); ++i)
+        if (strlen(figures[i].name) == length && strncmp(figures[i].name, figure, length) == 0)
+            return figures[i].unit;
+    return "";
+}
+
+const char *mcv_metric_unit(const char *expression) {
+    size_t length = strlen(expression);
+    const bool wrapped =
+        length > 3 && strncmp(expression, "u(", 2) == 0 && expression[length - 1] == ')';
+    if (wrapped) {
+        expression += 2;
+        length -= 3;
+    }
+    size_t begin = length;
+    for (size_t i = 0; i < length; ++i)
+        if (!isalnum((unsigned char)expression[i]) && !strchr("._", expression[i])) return "";
+    while (begin > 0 && expression[begin - 1] != '.') --begin;
+    return figure_unit(expression + begin, length - begin);
+}
+
 /* --- figures --- */
 
 static void know_noise(mcv_metrics *m, mcv_roi *region) {
@@ -229,14 +268,14 @@ static mcv_result measure_region(mcv_metrics *m, const choice *chosen, mcv_quant
     know_noise(m, &region);
     const mcv_roi_figures figures = mcv_roi_measure(&m->readings, &region);
     double samples = figures.samples;
-#define MCV_X(member, name) \
+#define MCV_X(member, name, unit) \
     if (strcmp(chosen->figure, name) == 0) *quantity = figures.member;
     MCV_REGION_METRICS(MCV_X)
 #undef MCV_X
     if (places->background) {
         const mcv_contrast_figures contrast = mcv_roi_contrast(&m->readings, &region, &background);
         if (strcmp(chosen->figure, "contrast_to_noise") == 0) samples = contrast.samples;
-#define MCV_X(member, name) \
+#define MCV_X(member, name, unit) \
     if (strcmp(chosen->figure, name) == 0) *quantity = contrast.member;
         MCV_CONTRAST_METRICS(MCV_X)
 #undef MCV_X
@@ -279,7 +318,7 @@ static void take_figure(const mcv_found *found, const double pixel[2], const cha
                         mcv_quantity *quantity) {
     const mcv_edge *straight = mcv_found_straight(found);
     const double across = mcv_scale_along(pixel, straight ? straight->normal : NULL);
-#define MCV_X(member, name) \
+#define MCV_X(member, name, unit) \
     if (is_figure(figure, name, of->member, scale, quantity)) return;
     if (found->form == MCV_FORM_EDGE) {
         const mcv_edge *of = &found->as.edge;

@@ -6,40 +6,43 @@
 
 #include "analysis/found.h"
 
-/* X(member of mcv_roi_figures, "name") and of mcv_contrast_figures, mcv_edge, mcv_line,
- * mcv_caliper, mcv_circle; those that are quantities.
+/* As a unit: that of the image's values. */
+#define MCV_UNIT_OF_VALUES "values"
+
+/* X(member of mcv_roi_figures, "name", unit) and of mcv_contrast_figures, mcv_edge, mcv_line,
+ * mcv_caliper, mcv_circle; those that are quantities. Without a unit: ratios.
  */
 #define MCV_REGION_METRICS(X) \
-    X(mean, "mean") \
-    X(deviation, "deviation") \
-    X(snr, "snr") \
-    X(rms_contrast, "rms_contrast") \
-    X(uniformity, "uniformity")
+    X(mean, "mean", MCV_UNIT_OF_VALUES) \
+    X(deviation, "deviation", MCV_UNIT_OF_VALUES) \
+    X(snr, "snr", "") \
+    X(rms_contrast, "rms_contrast", "") \
+    X(uniformity, "uniformity", "")
 #define MCV_CONTRAST_METRICS(X) \
-    X(difference, "difference") \
-    X(weber, "weber_contrast") \
-    X(michelson, "michelson_contrast") \
-    X(contrast_to_noise, "contrast_to_noise")
+    X(difference, "difference", MCV_UNIT_OF_VALUES) \
+    X(weber, "weber_contrast", "") \
+    X(michelson, "michelson_contrast", "") \
+    X(contrast_to_noise, "contrast_to_noise", "")
 #define MCV_EDGE_METRICS(X) \
-    X(position, "position") \
-    X(tilt, "tilt") \
-    X(dark, "dark") \
-    X(bright, "bright") \
-    X(width_10_90, "width_10_90") \
-    X(sagitta, "sagitta")
+    X(position, "position", "pixels") \
+    X(tilt, "tilt", "rad") \
+    X(dark, "dark", MCV_UNIT_OF_VALUES) \
+    X(bright, "bright", MCV_UNIT_OF_VALUES) \
+    X(width_10_90, "width_10_90", "pixels") \
+    X(sagitta, "sagitta", "pixels")
 #define MCV_LINE_METRICS(X) \
-    X(edge.position, "position") \
-    X(edge.tilt, "tilt") \
-    X(straightness, "straightness")
+    X(edge.position, "position", "pixels") \
+    X(edge.tilt, "tilt", "rad") \
+    X(straightness, "straightness", "pixels")
 #define MCV_CALIPER_METRICS(X) \
-    X(width, "width") \
-    X(angle, "angle")
+    X(width, "width", "pixels") \
+    X(angle, "angle", "rad")
 #define MCV_CIRCLE_METRICS(X) \
-    X(column, "column") \
-    X(row, "row") \
-    X(radius, "radius") \
-    X(diameter, "diameter") \
-    X(roundness, "roundness")
+    X(column, "column", "pixels") \
+    X(row, "row", "pixels") \
+    X(radius, "radius", "pixels") \
+    X(diameter, "diameter", "pixels") \
+    X(roundness, "roundness", "pixels")
 
 /* One image, and where to measure in it. */
 typedef struct mcv_metrics {
@@ -65,6 +68,10 @@ mcv_result mcv_metric_look_up(void *user, const char *name, mcv_quantity *quanti
 /* Whether there is such a figure, without an image: a place of that name, and the figure. An
  * mcv_lookup whose user is the mcv_places. */
 mcv_result mcv_metric_known(void *user, const char *name, mcv_quantity *quantity, mcv_error *error);
+
+/* The unit of a metric that is one figure, or u(figure): "pixels", "rad", "m", "cycles/pixel" or
+ * MCV_UNIT_OF_VALUES. "" for ratios, and for other expressions. */
+const char *mcv_metric_unit(const char *expression);
 
 /* Why there is no signal-to-noise or contrast-to-noise ratio: `samples` of mcv_roi_figures or
  * mcv_contrast_figures. */

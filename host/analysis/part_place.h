@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Places to measure in, told in the coordinates of a part: @NODE:X,Y,Z,W,H instead of the pixels
+/* Places to measure in, in the coordinates of a part: @NODE:X,Y,Z,W,H instead of the pixels
  * X,Y,W,H. */
 #ifndef MCVISI_HOST_ANALYSIS_PART_PLACE_H
 #define MCVISI_HOST_ANALYSIS_PART_PLACE_H

@@ -100,9 +100,9 @@ static mcv_result scale_light(const mcv_camera_settings *settings, const char *p
 enum { WIDEST_DIFFRACTION = 100 };
 
 /*
- * Says in words what was done, "" for nothing. A light field image is left alone: neighbouring
- * pixels see through different parts of the pupil. So is a stop whose diffraction would fill the
- * image: that of a glTF camera, which stands for none.
+ * `words` gets what was done, "" for nothing. A light field image is not blurred: neighbouring
+ * pixels see through different parts of the pupil. Nor is an image whose stop would fill it by
+ * diffraction: that is the negligible stop of a glTF camera.
  */
 static mcv_result blur(const mcv_camera_settings *settings, const char *path, mcv_exr *exr,
                        char words[128], mcv_correlation *correlation, mcv_error *error) {

@@ -61,8 +61,8 @@ void mcv_roi_free(mcv_roi *region);
 /* Refuses the text of a place ("region", "edge" …) whose NAME is longer than 63 bytes. */
 mcv_result mcv_place_check_name(const char *what, const char *text, mcv_error *error);
 
-/* The numbers of "[NAME=]A,B,C…", at most `most`: how many, or 0 where the rest is no list of
- * numbers. Name and rest are told apart. */
+/* Splits "[NAME=]A,B,C…" into the name and the rest, and reads at most `most` numbers. Returns how
+ * many, or 0 where the rest is no list of numbers. */
 size_t mcv_roi_numbers(const char *text, size_t number, char name[64], const char **rest,
                        double *numbers, size_t most);
 
@@ -80,8 +80,8 @@ size_t mcv_roi_numbers(const char *text, size_t number, char name[64], const cha
  */
 double mcv_roi_estimate_noise(mcv_readings *readings, mcv_roi *region, double least);
 
-/* The degrees of freedom of a variance that it found from so many differences; infinite for none,
- * where the variance is known. */
+/* The degrees of freedom of a variance that mcv_roi_estimate_noise found from so many differences;
+ * infinite for none, where the variance is known. */
 double mcv_roi_estimate_freedom(uint64_t differences);
 
 /*
@@ -89,7 +89,7 @@ double mcv_roi_estimate_freedom(uint64_t differences);
  * the render; their noise (the root of the mean of the pixels' variances, without the render's),
  * and the render's; rms_contrast, the deviation that is not noise over the mean; snr, mean over
  * deviation; uniformity, 1 less such a contrast of the means of 8 x 8 cells of the region's frame,
- * those that lie in it by half (the darkest cell would tell more of the noise than of the light).
+ * those that lie in it by half (the darkest cell would show the noise rather than the light).
  *
  * Where taking out the render's error leaves the deviation² uncertain by more than MCV_ROI_HIDDEN
  * of it, the figures that divide by the deviation are NaN, and `samples` says how many times the

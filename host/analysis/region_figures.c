@@ -12,7 +12,7 @@ static mcv_quantity quantity(double value, double variance) {
     return (mcv_quantity){value, sqrt(fmax(0, variance))};
 }
 
-/* A variance that is known from so many degrees of freedom, as wide as one that is known. */
+/* A variance from so many degrees of freedom, widened so that 1.96 deviations cover 95 %. */
 static double widened(double variance, double freedom) {
     const double widening = mcv_widening(freedom);
     return widening * widening * variance;
@@ -129,9 +129,9 @@ static mcv_quantity deviation_of(const moments *m) {
 }
 
 /*
- * How many times the samples would tell the deviation from the render's error; 0 where they are
- * enough. A render's variance goes as 1/samples; of that of V, one part goes with its square, the
- * rest, which comes of the render and something else, with itself.
+ * The factor of samples with which the deviation could be separated from the render's error; 0
+ * where they are enough. A render's variance goes as 1/samples. The variance of V has a part that
+ * goes with its square, and one, mixed with other causes, that goes with itself.
  */
 static double samples_needed(const moments *m) {
     const double signal = fmax(m->variance - m->render, m->render_reach),

@@ -4,7 +4,7 @@
 #include <math.h>
 #include <stdlib.h>
 
-/* Cells of less than 8 x 8 pixels would know their errors from few; more than 32 x 32 of them make
+/* Cells of less than 8 x 8 pixels would estimate their error from few; more than 32 x 32 cells make
  * a long header. */
 enum { LEAST_PIXELS = 8, MOST_CELLS = 32 };
 

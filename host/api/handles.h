@@ -25,7 +25,8 @@ struct mcv_rig {
     char *path, *folder; /* of the file, or "" */
     char **set;          /* what was changed since, PATH=VALUE */
     size_t set_count;
-    uint64_t hash; /* FNV-1a of the file's bytes, or of the text it was made from */
+    uint64_t hash;  /* FNV-1a of the file's bytes, or of the text it was made from */
+    double seconds; /* that its file took to read */
 };
 
 /* A rig of a document, which changes owners, also on failure. */

@@ -5,7 +5,8 @@
 #include "io/exr_make.h"
 #include "io/png.h"
 #include "io/values.h"
-#include "verbs/grey_picture.h"
+#include "core/output_file.h"
+#include "verbs/grey_files.h"
 #include "verbs/measure.h"
 
 #include <math.h>
@@ -108,29 +109,43 @@ mcv_result mcv_picture_write(const mcv_picture *picture, const char *path, const
 
 /* --- grey values --- */
 
+static mcv_result check_file(const mcv_command *command, const mcv_picture *picture,
+                             mcv_error *error) {
+    if (!command->grey) return MCV_OK;
+    if (mcv_same_file(command->grey, picture->path))
+        return mcv_fail(error, MCV_USAGE, "%s is the image: give the grey values another name",
+                        command->grey);
+    return mcv_grey_check_file(command, command->grey, error);
+}
+
 static mcv_result expose(const mcv_command *command, const mcv_picture *picture, mcv_picture **grey,
                          char **report, mcv_error *error) {
     mcv_exr light, values;
     mcv_read_out out;
     mcv_report r;
+    MCV_TRY(check_file(command, picture, error));
     MCV_TRY(mcv_exr_copy(&picture->exr, &light, error)); /* it is blurred in place */
     mcv_result result = mcv_grey_make(command, picture->path, &light, &out, &values, error);
+    if (result == MCV_OK) result = mcv_picture_of(&values, picture->path, grey, error);
+    if (result == MCV_OK && command->grey)
+        result = mcv_grey_save(command, &light, &(*grey)->exr, command->grey, error);
     mcv_exr_free(&light);
-    MCV_TRY(result);
-    result = mcv_picture_of(&values, picture->path, grey, error);
     if (result != MCV_OK || !report) return result;
     MCV_TRY(mcv_report_keep(&r, command->json, error));
-    mcv_grey_warn(picture->path, &(*grey)->exr, &out, &r);
-    mcv_grey_report(command, picture->path, NULL, &(*grey)->exr, &out, &r);
+    if (command->grey) {
+        mcv_grey_tell(command, command->grey, &(*grey)->exr, &out, &r);
+    } else {
+        mcv_grey_warn(picture->path, &(*grey)->exr, &out, &r);
+        mcv_grey_report(command, picture->path, NULL, &(*grey)->exr, &out, &r);
+    }
     return mcv_report_take(&r, report, error);
 }
 
 static mcv_result camera(const mcv_picture *picture, const char *options, mcv_picture **grey,
                          char **report, mcv_error *error) {
-    static const char *const without[] = {"output", NULL};
     const char *const arguments[2] = {picture->path};
     mcv_options_given given;
-    MCV_TRY(mcv_options_read(options, NULL, MCV_VERB_CAMERA, arguments, without, &given, error));
+    MCV_TRY(mcv_options_read(options, NULL, MCV_VERB_CAMERA, arguments, NULL, &given, error));
     const mcv_result result = expose(&given.command, picture, grey, report, error);
     mcv_options_free(&given);
     if (result == MCV_OK) return MCV_OK;

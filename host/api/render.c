@@ -1,29 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Renders of the public interface. */
-#include "api/handles.h"
+#include "api/rendering.h"
 #include "core/basics.h"
 #include "options/option_table.h"
 #include "reference/reference.h"
 #include "report/summary.h"
 #include "scene/sensor_find.h"
-#include "verbs/render_picture.h"
 
 #include <limits.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
-/* A render while it runs, for its callback. */
-typedef struct running {
-    mcv_progress_call *call;
-    void *user;
-    locale_t host;
-    mcv_rendered rendered;
-    const mcv_rig *rig;
-    double begun;
-} running;
-
-static mcv_result make_picture(const running *r, mcv_picture **picture, mcv_error *error) {
+static mcv_result make_picture(const mcv_rendering *r, mcv_picture **picture, mcv_error *error) {
     mcv_exr exr;
     *picture = NULL;
     if (r->rendered.film->samples == 0) return MCV_OK;
@@ -31,18 +20,25 @@ static mcv_result make_picture(const running *r, mcv_picture **picture, mcv_erro
     return mcv_picture_of(&exr, r->rig->path[0] ? r->rig->path : "the picture", picture, error);
 }
 
-static bool tell(void *user, double fraction, double seconds, double error) {
-    running *r = user;
-    (void)seconds;
+void mcv_rendering_tell(mcv_rendering *r, double fraction, double error, bool writing) {
     const mcv_progress progress = {.size = sizeof progress,
                                    .fraction = fraction,
                                    .seconds = mcv_seconds() - r->begun,
                                    .error = error,
-                                   .render = r};
+                                   .render = r,
+                                   .sensor = r->sensor,
+                                   .writing = writing};
+    if (!r->call) return;
     mcv_border_leave(r->host);
-    const bool go_on = r->call(r->user, &progress);
+    if (!r->call(r->user, &progress)) r->stopped = true;
     r->host = mcv_border_enter();
-    return go_on;
+}
+
+static bool tell(void *user, double fraction, double seconds, double error) {
+    mcv_rendering *r = user;
+    (void)seconds;
+    mcv_rendering_tell(r, fraction, error, false);
+    return !r->stopped;
 }
 
 mcv_result mcv_progress_picture(const mcv_progress *progress, mcv_picture **picture,
@@ -55,80 +51,89 @@ mcv_result mcv_progress_picture(const mcv_progress *progress, mcv_picture **pict
     return result;
 }
 
-static mcv_result summarize(const running *r, double seconds_load, char **stats, mcv_error *error) {
+mcv_summary mcv_rendering_summary(const mcv_rendering *r, double seconds_load) {
     const mcv_rendered *rendered = &r->rendered;
     const mcv_film *film = rendered->film;
-    char label[128];
-    mcv_sensor_label(rendered->scene, rendered->sensor, label, sizeof label);
-    const mcv_summary summary = {.scene = rendered->scene->path,
-                                 .sensor = label,
-                                 .unit = mcv_rendered_unit(rendered->scene, rendered->sensor),
-                                 .width = film->width,
-                                 .height = film->height,
-                                 .channels = film->channels,
-                                 .replicates = film->replicates,
-                                 .samples = (uint64_t)llround(mcv_film_mean_samples(film)),
-                                 .adaptive = film->levels != NULL,
-                                 .stats = *rendered->stats,
-                                 .seconds_load = seconds_load,
-                                 .seconds_write = NAN,
-                                 .error = mcv_film_relative_error(film),
-                                 .mean = mcv_film_mean(film),
-                                 .preview = {NAN, NAN}};
-    return mcv_summary_json(&summary, stats, error);
+    return (mcv_summary){.scene = rendered->scene->path,
+                         .sensor = r->sensor,
+                         .unit = mcv_rendered_unit(rendered->scene, rendered->sensor),
+                         .width = film->width,
+                         .height = film->height,
+                         .channels = film->channels,
+                         .replicates = film->replicates,
+                         .samples = (uint64_t)llround(mcv_film_mean_samples(film)),
+                         .adaptive = film->levels != NULL,
+                         .stats = *rendered->stats,
+                         .seconds_load = seconds_load,
+                         .seconds_write = NAN,
+                         .error = mcv_film_relative_error(film),
+                         .mean = mcv_film_mean(film),
+                         .preview = {NAN, NAN}};
 }
 
 /* What a render gives, once the film is done. */
-static mcv_result finish(const running *r, double seconds_load, mcv_picture **picture, char **stats,
-                         mcv_error *error) {
+static mcv_result finish(const mcv_rendering *r, const mcv_command *command, double seconds_load,
+                         mcv_picture **picture, char **stats, mcv_error *error) {
     MCV_TRY(make_picture(r, picture, error));
-    if (stats && *picture) MCV_TRY(summarize(r, seconds_load, stats, error));
+    if (stats && *picture) {
+        const mcv_summary summary = mcv_rendering_summary(r, seconds_load);
+        MCV_TRY(command->json ? mcv_summary_json(&summary, stats, error)
+                              : mcv_summary_text(&summary, stats, error));
+    }
     if (!r->rendered.stats->interrupted) return MCV_OK;
     return mcv_fail(error, MCV_INTERRUPTED, "%s: interrupted %s", r->rendered.scene->path,
                     *picture ? "before its last sample" : "before its first sample");
 }
 
-static mcv_result render_scene(mcv_session *session, const mcv_command *command, running *r,
-                               mcv_scene *scene, mcv_picture **picture, char **stats,
-                               mcv_error *error) {
-    const double seconds_load = mcv_seconds() - r->begun;
+mcv_result mcv_rendering_run(mcv_rendering *r, mcv_session *session, const mcv_command *command,
+                             const mcv_scene *scene, uint32_t sensor, mcv_render_options *options,
+                             mcv_film *film, mcv_render_stats *stats, mcv_error *error) {
     const bool reference = mcv_wants_reference(command);
-    mcv_render_options options;
-    mcv_render_stats told = {.stage_count = 0};
-    mcv_film film = {0};
     mcv_renderer *renderer = NULL;
-    uint32_t sensor;
-    MCV_TRY(mcv_render_options_read(command, &options, error));
-    MCV_TRY(mcv_session_sensor(scene, command, &sensor, error));
-    if (reference) options.sampler = MCV_SAMPLER_RANDOM; /* it has no other */
-    options.progress = r->call ? tell : NULL;
-    options.user = r;
+    if (reference)
+        options->sampler = MCV_SAMPLER_RANDOM; /* it has no other, and the header says so */
+    options->progress = r->call ? tell : NULL;
+    options->user = r;
     if (!reference) MCV_TRY(mcv_session_renderer(session, command->device, &renderer, error));
     r->rendered.scene = scene;
     r->rendered.sensor = sensor;
-    r->rendered.options = &options;
-    r->rendered.film = &film;
-    r->rendered.stats = &told;
+    r->rendered.options = options;
+    r->rendered.film = film;
+    r->rendered.stats = stats;
+    mcv_sensor_label(scene, sensor, r->sensor, sizeof r->sensor);
+    return reference ? mcv_reference_render(scene, sensor, options, film, stats, error)
+                     : mcv_renderer_render(renderer, scene, sensor, options, film, stats, error);
+}
+
+static mcv_result render_scene(mcv_session *session, const mcv_command *command, mcv_rendering *r,
+                               mcv_scene *scene, mcv_picture **picture, char **stats,
+                               mcv_error *error) {
+    const double seconds_load = mcv_seconds() - r->begun;
+    mcv_render_options options;
+    mcv_render_stats told = {.stage_count = 0};
+    mcv_film film = {0};
+    uint32_t sensor;
+    MCV_TRY(mcv_render_options_read(command, &options, error));
+    MCV_TRY(mcv_session_sensor(scene, command, &sensor, error));
     mcv_result result =
-        reference ? mcv_reference_render(scene, sensor, &options, &film, &told, error)
-                  : mcv_renderer_render(renderer, scene, sensor, &options, &film, &told, error);
-    if (result == MCV_OK) result = finish(r, seconds_load, picture, stats, error);
+        mcv_rendering_run(r, session, command, scene, sensor, &options, &film, &told, error);
+    if (result == MCV_OK) result = finish(r, command, seconds_load, picture, stats, error);
     r->rendered = (mcv_rendered){.set = r->rendered.set}; /* the rest ends here */
     mcv_film_free(&film);
     return result;
 }
 
-/* All that was set: in the rig, and for this render. The caller frees the items. */
-static mcv_result join_changes(const mcv_rig *rig, const mcv_command *command, mcv_overrides *set,
-                               mcv_error *error) {
+mcv_result mcv_rendering_changes(mcv_rendering *r, const mcv_rig *rig, const mcv_command *command,
+                                 mcv_error *error) {
     const mcv_overrides changes = mcv_rig_changes(rig);
     const char **items = malloc((changes.count + command->set.count + 1) * sizeof *items);
     if (!items) return mcv_fail(error, MCV_FAILED, "no memory for the changes of the scene");
     if (changes.count) memcpy(items, changes.items, changes.count * sizeof *items);
     if (command->set.count)
         memcpy(items + changes.count, command->set.items, command->set.count * sizeof *items);
-    set->items = items;
-    set->count = changes.count + command->set.count;
+    r->rendered.set = (mcv_overrides){items, changes.count + command->set.count};
+    r->rendered.hash = rig->hash;
+    r->rendered.replicates = command->parts != 0;
     return MCV_OK;
 }
 
@@ -138,8 +143,9 @@ static void list_others(const char *names[MCV_OPTION_COUNT + 1]) {
     size_t count = 0;
     for (size_t i = 0; i < MCV_OPTION_COUNT; ++i) {
         const mcv_option *o = mcv_options + i;
-        static const char *const files[] = {"output", "png", "camera", "json"};
-        bool other = (o->verbs & MCV_IN_CAMERA) && strcmp(o->name, "seed") != 0;
+        static const char *const files[] = {"output", "png", "camera"};
+        bool other = (o->verbs & MCV_IN_CAMERA) && strcmp(o->name, "seed") != 0 &&
+                     strcmp(o->name, "json") != 0;
         for (size_t k = 0; k < sizeof files / sizeof files[0]; ++k)
             other = other || strcmp(o->name, files[k]) == 0;
         if (other) names[count++] = o->name;
@@ -147,8 +153,9 @@ static void list_others(const char *names[MCV_OPTION_COUNT + 1]) {
     names[count] = NULL;
 }
 
-static mcv_result render_rig(mcv_session *session, const mcv_rig *rig, const char *text, running *r,
-                             mcv_picture **picture, char **stats, mcv_error *error) {
+static mcv_result render_rig(mcv_session *session, const mcv_rig *rig, const char *text,
+                             mcv_rendering *r, mcv_picture **picture, char **stats,
+                             mcv_error *error) {
     const char *without[MCV_OPTION_COUNT + 1];
     const char *const arguments[2] = {rig->document.path};
     mcv_options_given given;
@@ -157,9 +164,7 @@ static mcv_result render_rig(mcv_session *session, const mcv_rig *rig, const cha
     MCV_TRY(mcv_options_read(text, session->defaults, MCV_VERB_RENDER, arguments, without, &given,
                              error));
     const mcv_command *command = &given.command;
-    mcv_result result = join_changes(rig, command, &r->rendered.set, error);
-    r->rendered.hash = rig->hash;
-    r->rendered.replicates = command->parts != 0;
+    mcv_result result = mcv_rendering_changes(r, rig, command, error);
     if (result == MCV_OK) result = mcv_session_scene(session, rig, command, &scene, error);
     if (result == MCV_OK) result = render_scene(session, command, r, scene, picture, stats, error);
     mcv_scene_free(scene);
@@ -180,7 +185,7 @@ mcv_result mcv_session_render(mcv_session *session, const mcv_rig *rig, const ch
     MCV_NEED(session);
     MCV_NEED(rig);
     MCV_TRY(mcv_session_begin(session, error));
-    running r = {.call = progress, .user = user, .rig = rig, .begun = mcv_seconds()};
+    mcv_rendering r = {.call = progress, .user = user, .rig = rig, .begun = mcv_seconds()};
     r.host = mcv_border_enter();
     const mcv_result result = render_rig(session, rig, options, &r, picture, stats, error);
     mcv_border_leave(r.host);

@@ -55,6 +55,7 @@ static mcv_result open_rig(const char *path, mcv_rig **rig, mcv_error *error) {
     uint8_t *bytes;
     size_t size;
     mcv_document document;
+    const double begun = mcv_seconds();
     char *copy = strdup(path);
     if (!copy) return fail_no_memory(error);
     mcv_result result = mcv_document_read(path, &document, error);
@@ -64,6 +65,7 @@ static mcv_result open_rig(const char *path, mcv_rig **rig, mcv_error *error) {
     result = mcv_file_load(path, &bytes, &size, error);
     if (result == MCV_OK) {
         (*rig)->hash = mcv_hash_bytes(MCV_HASH_BEGIN, bytes, size);
+        (*rig)->seconds = mcv_seconds() - begun;
         free(bytes);
         return MCV_OK;
     }

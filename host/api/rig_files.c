@@ -13,11 +13,12 @@
 
 /* --- around a part --- */
 
-static mcv_result tell_of_new(const mcv_rig_design *design, char **report, mcv_error *error) {
+static mcv_result tell_of_new(const mcv_command *command, const mcv_rig_design *design,
+                              char **report, mcv_error *error) {
     mcv_report r;
     if (!report) return MCV_OK;
-    MCV_TRY(mcv_report_keep(&r, true, error));
-    mcv_new_report(design, &r);
+    MCV_TRY(mcv_report_keep(&r, command->json, error));
+    mcv_new_report(design, command->rig, &r);
     mcv_new_warn(design, &r);
     return mcv_report_take(&r, report, error);
 }
@@ -38,9 +39,8 @@ static mcv_result new_in_memory(const mcv_rig_design *design, mcv_rig **rig, mcv
 
 static mcv_result new_in_file(const mcv_command *command, const mcv_rig_design *design,
                               mcv_rig **rig, mcv_error *error) {
-    char path[PATH_MAX];
-    MCV_TRY(mcv_rig_write(design, command->rig, command->force, path, error));
-    return mcv_rig_open(path, rig, error);
+    MCV_TRY(mcv_rig_write(design, command->rig, command->force, error));
+    return mcv_rig_open(command->rig, rig, error);
 }
 
 static mcv_result new_rig(const char *kind, const char *part, const char *options, mcv_rig **rig,
@@ -53,7 +53,7 @@ static mcv_result new_rig(const char *kind, const char *part, const char *option
     if (result == MCV_OK)
         result = given.command.rig ? new_in_file(&given.command, &design, rig, error)
                                    : new_in_memory(&design, rig, error);
-    if (result == MCV_OK) result = tell_of_new(&design, report, error);
+    if (result == MCV_OK) result = tell_of_new(&given.command, &design, report, error);
     mcv_options_free(&given);
     if (result == MCV_OK) return MCV_OK;
     mcv_rig_free(*rig);
@@ -75,32 +75,44 @@ mcv_result mcv_rig_new(const char *kind, const char *part, const char *options, 
 
 /* --- from a lens file --- */
 
-static mcv_result tell_of_lens(const mcv_lens_report *lens, char **report, mcv_error *error) {
+/* As it is in the file of "output", or as if it lay beside the lens file. */
+static mcv_result make_lens(const mcv_command *command, const char *text, mcv_rig **rig,
+                            mcv_error *error) {
+    char folder[PATH_MAX];
+    if (command->lens) {
+        MCV_TRY(mcv_output_whole(command->lens, text, strlen(text), error));
+        return mcv_rig_open(command->lens, rig, error);
+    }
+    snprintf(folder, sizeof folder, "%s", command->argument);
+    return mcv_rig_parse(text, strlen(text), dirname(folder), rig, error);
+}
+
+static mcv_result import_with(const mcv_command *command, mcv_rig **rig, char **report,
+                              mcv_error *error) {
+    mcv_lens_report lens;
     mcv_report r;
-    if (!report) return MCV_OK;
-    MCV_TRY(mcv_report_keep(&r, true, error));
-    mcv_import_report(lens, &r);
+    char *text;
+    if (strlen(command->argument) >= PATH_MAX)
+        return mcv_fail(error, MCV_USAGE, "the path of the lens is longer than %d bytes", PATH_MAX);
+    if (command->lens && mcv_same_file(command->lens, command->argument))
+        return mcv_fail(error, MCV_USAGE, "%s is the lens file: give the lens another name",
+                        command->lens);
+    MCV_TRY(mcv_import(command, &text, &lens, error));
+    const mcv_result result = make_lens(command, text, rig, error);
+    free(text);
+    if (result != MCV_OK || !report) return result;
+    MCV_TRY(mcv_report_keep(&r, command->json, error));
+    mcv_import_report(&lens, command->lens, &r);
     return mcv_report_take(&r, report, error);
 }
 
 static mcv_result import_lens(const char *lens, const char *options, mcv_rig **rig, char **report,
                               mcv_error *error) {
-    static const char *const without[] = {"output", NULL};
     const char *const arguments[2] = {lens};
     mcv_options_given given;
-    mcv_lens_report told;
-    char *text = NULL, *folder = strdup(lens);
-    if (!folder) return mcv_fail(error, MCV_FAILED, "no memory for a lens");
-    mcv_result result =
-        mcv_options_read(options, NULL, MCV_VERB_IMPORT, arguments, without, &given, error);
-    if (result == MCV_OK) {
-        result = mcv_import(&given.command, &text, &told, error);
-        mcv_options_free(&given);
-    }
-    if (result == MCV_OK) result = mcv_rig_parse(text, strlen(text), dirname(folder), rig, error);
-    if (result == MCV_OK) result = tell_of_lens(&told, report, error);
-    free(text);
-    free(folder);
+    MCV_TRY(mcv_options_read(options, NULL, MCV_VERB_IMPORT, arguments, NULL, &given, error));
+    const mcv_result result = import_with(&given.command, rig, report, error);
+    mcv_options_free(&given);
     if (result == MCV_OK) return MCV_OK;
     mcv_rig_free(*rig);
     *rig = NULL;

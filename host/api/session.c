@@ -159,8 +159,8 @@ mcv_result mcv_session_sensor(mcv_scene *scene, const mcv_command *command, uint
     *sensor = 0;
     if (command->sensor) MCV_TRY(mcv_sensor_find(scene, command->sensor, sensor, error));
     if (!command->sensor && scene->sensor_count > 1)
-        return mcv_fail(error, MCV_USAGE, "%s: has %u sensors: choose one by the option sensor",
-                        scene->path, scene->sensor_count);
+        return mcv_fail(error, MCV_USAGE, "%s: has %u sensors: choose one by --sensor", scene->path,
+                        scene->sensor_count);
     if (!command->resolution[0]) return MCV_OK;
     return mcv_sensor_resize(scene->sensors + *sensor, command->resolution[0],
                              command->resolution[1], scene, error);

@@ -8,24 +8,35 @@
 
 /* A sweep while it runs, for its callback. */
 typedef struct running {
-    mcv_row_call *call;
+    mcv_told_call *call;
     void *user;
     locale_t host;
     double told; /* when it was last asked whether to go on */
-    bool stopped;
+    bool stopped, json;
 } running;
 
-static void ask(running *r, const char *row) {
+static void ask(running *r, const char *report) {
     r->told = mcv_seconds();
     mcv_border_leave(r->host);
-    r->stopped = !r->call(r->user, row) || r->stopped;
+    r->stopped = !r->call(r->user, report) || r->stopped;
     r->host = mcv_border_enter();
 }
 
 static void tell_row(void *user, const mcv_sweep *sweep, const double *row, const char *message) {
     running *r = user;
-    char *text = mcv_sweep_row_json(sweep, row, message);
+    char *text = (r->json ? mcv_sweep_row_json : mcv_sweep_row_text)(sweep, row, message);
     if (text) ask(r, text);
+    free(text);
+}
+
+static void warn(void *user, const char *sentence) {
+    running *r = user;
+    mcv_report report;
+    mcv_error none = {""};
+    char *text = NULL;
+    if (mcv_report_keep(&report, r->json, &none) != MCV_OK) return;
+    mcv_report_tell(&report, "warning", sentence);
+    if (mcv_report_take(&report, &text, &none) == MCV_OK) ask(r, text);
     free(text);
 }
 
@@ -35,18 +46,19 @@ static mcv_result interrupted(void *user) {
     return r->stopped ? MCV_INTERRUPTED : MCV_OK;
 }
 
-static mcv_result run(const mcv_experiment *experiment, char **report, mcv_error *error) {
+static mcv_result run(const mcv_experiment *experiment, bool json, char **report,
+                      mcv_error *error) {
     const double begun = mcv_seconds();
     mcv_sweep s;
     mcv_result result = mcv_experiment_plan(experiment, &s, error);
     if (result == MCV_OK) result = mcv_experiment_open_table(&s, error);
     if (result == MCV_OK) result = mcv_experiment_run(&s, error);
+    if (result == MCV_OK && report)
+        result = (json ? mcv_sweep_json : mcv_sweep_text)(&s, mcv_seconds() - begun, report, error);
     const size_t failed = mcv_table_failed(&s.table);
     if (result == MCV_OK && failed == s.table.row_count)
         result = mcv_fail(error, MCV_FAILED, "all %zu sets failed, the first one: %s", failed,
                           s.table.messages[0]);
-    if (result == MCV_OK && report)
-        result = mcv_sweep_json(&s, mcv_seconds() - begun, report, error);
     mcv_experiment_free(&s);
     return result;
 }
@@ -75,32 +87,32 @@ static mcv_result sweep_rig(mcv_session *session, const mcv_rig *rig, const mcv_
     experiment.table = command->table;
     experiment.settings = make_settings(command, rig);
     if (r->call)
-        experiment.calls =
-            (mcv_sweep_calls){.row = tell_row, .interrupted = interrupted, .user = r};
-    const mcv_result result = run(&experiment, report, error);
+        experiment.calls = (mcv_sweep_calls){
+            .warning = warn, .row = tell_row, .interrupted = interrupted, .user = r};
+    const mcv_result result = run(&experiment, command->json, report, error);
     json_decref(experiment.settings);
     return result;
 }
 
 static mcv_result sweep(mcv_session *session, const mcv_rig *rig, const char *options, running *r,
                         char **report, mcv_error *error) {
-    static const char *const without[] = {"json", NULL};
     const char *const arguments[2] = {rig->document.path};
     mcv_options_given given;
-    MCV_TRY(mcv_options_read(options, session->defaults, MCV_VERB_SWEEP, arguments, without, &given,
+    MCV_TRY(mcv_options_read(options, session->defaults, MCV_VERB_SWEEP, arguments, NULL, &given,
                              error));
+    r->json = given.command.json;
     const mcv_result result = sweep_rig(session, rig, &given.command, r, report, error);
     mcv_options_free(&given);
     return result;
 }
 
 mcv_result mcv_session_sweep(mcv_session *session, const mcv_rig *rig, const char *options,
-                             mcv_row_call *row, void *user, char **report, mcv_error *error) {
+                             mcv_told_call *told, void *user, char **report, mcv_error *error) {
     if (report) *report = NULL;
     MCV_NEED(session);
     MCV_NEED(rig);
     MCV_TRY(mcv_session_begin(session, error));
-    running r = {.call = row, .user = user, .told = mcv_seconds()};
+    running r = {.call = told, .user = user, .told = mcv_seconds()};
     r.host = mcv_border_enter();
     const mcv_result result = sweep(session, rig, options, &r, report, error);
     mcv_border_leave(r.host);

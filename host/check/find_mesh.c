@@ -4,6 +4,7 @@
 #include "check/find.h"
 #include "scene/transform.h"
 #include "scene/geometry.h"
+#include "scene/materials.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -27,7 +28,7 @@ mcv_result mcv_find_open_body(const mcv_scene *scene, mcv_findings *findings, mc
         bool dielectric = false;
         last = mcv_body_end(scene, first);
         for (uint32_t i = first; i < last; ++i)
-            dielectric = dielectric || material_of(scene, i)->type == MCV_MATERIAL_DIELECTRIC;
+            dielectric = dielectric || mcv_material_has_medium(material_of(scene, i)->type);
         if (!dielectric) continue;
         uint32_t edges;
         char label[MCV_LABEL];

@@ -2,6 +2,7 @@
 /* Findings about sensors: what is in their fields, its sharpness, and its size. */
 #include "check/find.h"
 #include "scene/geometry.h"
+#include "scene/materials.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -187,7 +188,7 @@ mcv_result mcv_find_defocus(const mcv_scene *scene, mcv_findings *findings, mcv_
             if (!mcv_is_part(scene, i) || !mcv_view_shows(&view, &extent)) continue;
             double depth;
             const double blur = least_blur(&view, extent.depth, &depth);
-            if (scene->materials[scene->instances[i].material].type == MCV_MATERIAL_DIELECTRIC)
+            if (mcv_material_has_medium(scene->materials[scene->instances[i].material].type))
                 nearest_glass = fmin(nearest_glass, extent.depth[1]);
             else
                 farthest = fmax(farthest, extent.depth[0]);

@@ -61,7 +61,7 @@ static uint32_t find_backlight(const mcv_scene *scene, const mcv_sensor *sensor,
 
 static bool is_opaque(const mcv_scene *scene, uint32_t instance) {
     const uint32_t type = scene->materials[scene->instances[instance].material].type;
-    return type != MCV_MATERIAL_DIELECTRIC && !mcv_material_is_plate(type);
+    return !mcv_material_has_medium(type) && !mcv_material_is_plate(type);
 }
 
 static bool is_glossy(const mcv_scene *scene, uint32_t instance) {

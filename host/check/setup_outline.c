@@ -95,7 +95,7 @@ static const char *class_of(const mcv_scene *scene, uint32_t instance) {
     const uint32_t type = scene->materials[scene->instances[instance].material].type;
     if (scene->instances[instance].emitter != MCV_NONE) return "light";
     if (type == MCV_MATERIAL_MIRROR || type == MCV_MATERIAL_BEAM_SPLITTER) return "mirror";
-    if (type == MCV_MATERIAL_DIELECTRIC || mcv_material_is_plate(type)) return "glass";
+    if (mcv_material_has_medium(type) || mcv_material_is_plate(type)) return "glass";
     return mcv_is_part(scene, instance) ? "part" : "housing";
 }
 

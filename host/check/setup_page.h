@@ -6,8 +6,17 @@
 
 #include "check/findings.h"
 
+#include <stdio.h>
+
 /* Writes it; the file appears whole or not at all. */
 mcv_result mcv_setup_page_write(const char *path, const mcv_scene *scene,
                                 const mcv_findings *findings, mcv_error *error);
+
+/*
+ * The drawing of one sensor's set-up alone, from the side or from above, as a figure for a page
+ * with the style mcv_setup_css (io/embedded.h). Nothing for a type of sensor whose optics are not
+ * known. False without memory.
+ */
+bool mcv_setup_put_view(FILE *out, const mcv_scene *scene, uint32_t sensor, bool from_above);
 
 #endif

@@ -7,14 +7,21 @@
 #include <stdlib.h>
 #include <string.h>
 
+static bool is_utf8(const char *text) {
+    json_t *valid = json_string(text);
+    json_decref(valid);
+    return valid;
+}
+
 mcv_result mcv_client_options(const mcv_command *command, const char *const *without, char **text,
                               mcv_error *error) {
+    static const char *const none[] = {NULL};
     *text = NULL;
+    if (!without) without = none;
     for (int i = 2; i < command->argc; ++i) {
-        json_t *valid = json_string(command->argv[i]);
-        json_decref(valid);
-        if (!valid && command->argv[i] != command->argument)
-            return mcv_fail(error, MCV_USAGE, "%s: is no UTF-8 text", command->argv[i]);
+        const char *word = command->argv[i];
+        if (word != command->argument && word != command->second && !is_utf8(word))
+            return mcv_fail(error, MCV_USAGE, "%s: is no UTF-8 text", word);
     }
     json_t *options = mcv_command_json(command, without);
     if (options) mcv_command_flags(command, options);
@@ -25,14 +32,55 @@ mcv_result mcv_client_options(const mcv_command *command, const char *const *wit
     return *text ? MCV_OK : mcv_fail(error, MCV_FAILED, "no memory for the options");
 }
 
-static mcv_result print_json(const char *report, mcv_error *error) {
-    json_t *document = json_loads(report, 0, NULL);
+mcv_result mcv_client_name(const char *path, const char *ending, char **name, mcv_error *error) {
+    const char *slash = strrchr(path, '/'), *file = slash ? slash + 1 : path,
+               *dot = strrchr(file, '.');
+    const int stem = (int)(dot && dot > file ? dot - path : (long)strlen(path));
+    if (!ending || asprintf(name, "%.*s%s", stem, path, ending) < 0) {
+        *name = NULL;
+        return mcv_fail(error, MCV_FAILED, "%s: no memory for a name", path);
+    }
+    if (is_utf8(*name)) return MCV_OK;
+    mcv_fail(error, MCV_USAGE, "%s: is no UTF-8 text: name the output by -o", *name);
+    free(*name);
+    *name = NULL;
+    return MCV_USAGE;
+}
+
+mcv_result mcv_client_open(const mcv_command *command, const char *rig, mcv_client *client,
+                           mcv_error *error) {
+    *client = (mcv_client){0};
+    MCV_TRY(mcv_client_options(command, NULL, &client->options, error));
+    MCV_TRY(mcv_session_open(NULL, &client->session, error));
+    return rig ? mcv_rig_open(rig, &client->rig, error) : MCV_OK;
+}
+
+void mcv_client_close(mcv_client *client) {
+    mcv_rig_free(client->rig);
+    mcv_session_close(client->session);
+    free(client->options);
+}
+
+static void print_notes(const json_t *report) {
     size_t i;
     const json_t *note;
-    json_array_foreach(json_object_get(document, "notes"), i, note) {
+    json_array_foreach(json_object_get(report, "notes"), i, note) {
         mcv_tell(json_string_value(json_object_get(note, "severity")),
                  json_string_value(json_object_get(note, "text")));
     }
+}
+
+bool mcv_client_notes(const char *report) {
+    json_t *document = json_loads(report, 0, NULL);
+    const bool more = json_object_size(document) > (json_object_get(document, "notes") ? 1 : 0);
+    print_notes(document);
+    json_decref(document);
+    return more;
+}
+
+static mcv_result print_json(const char *report, mcv_error *error) {
+    json_t *document = json_loads(report, 0, NULL);
+    print_notes(document);
     json_object_del(document, "notes");
     const int failed = json_dumpf(document, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(17));
     json_decref(document);
@@ -41,23 +89,28 @@ static mcv_result print_json(const char *report, mcv_error *error) {
                   : MCV_OK;
 }
 
-/* Notes are the first lines: "warning: SENTENCE". */
-static void print_text(char *report) {
-    static const char *const severities[] = {"warning", "note"};
-    for (size_t i = 0; i < sizeof severities / sizeof severities[0];) {
+/* The length of a first line "warning: SENTENCE", 0 where it is none; *severity: its word. */
+static size_t note_length(const char *text, const char **severity) {
+    static const char *const severities[] = {"error", "warning", "note"};
+    const char *end = strchr(text, '\n');
+    for (size_t i = 0; end && i < sizeof severities / sizeof severities[0]; ++i) {
         const size_t length = strlen(severities[i]);
-        char *end = strchr(report, '\n');
-        if (!end || strncmp(report, severities[i], length) != 0 ||
-            strncmp(report + length, ": ", 2) != 0) {
-            ++i;
-            continue;
-        }
-        *end = '\0';
-        mcv_tell(severities[i], report + length + 2);
-        report = end + 1;
-        i = 0;
+        *severity = severities[i];
+        if (strncmp(text, severities[i], length) == 0 && strncmp(text + length, ": ", 2) == 0)
+            return (size_t)(end - text);
     }
-    fputs(report, stdout);
+    return 0;
+}
+
+void mcv_client_text(const char *text) {
+    const char *severity;
+    for (size_t length; (length = note_length(text, &severity)) > 0; text += length + 1) {
+        const size_t before = strlen(severity) + 2;
+        char *sentence = strndup(text + before, length - before);
+        if (sentence) mcv_tell(severity, sentence);
+        free(sentence);
+    }
+    fputs(text, stdout);
 }
 
 mcv_result mcv_client_print(char *report, bool json, mcv_error *error) {
@@ -65,7 +118,7 @@ mcv_result mcv_client_print(char *report, bool json, mcv_error *error) {
     if (json)
         result = print_json(report, error);
     else
-        print_text(report);
+        mcv_client_text(report);
     mcv_text_free(report);
     return result;
 }

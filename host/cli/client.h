@@ -1,17 +1,41 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What verbs need that are clients of the public header. */
+/* What the verbs share as clients of the public header, mcvisi/mcvisi.h. */
 #ifndef MCVISI_HOST_CLI_CLIENT_H
 #define MCVISI_HOST_CLI_CLIENT_H
 
 #include "options/command.h"
 
 /* The command's options as the library takes them, without those of `without` (names, NULL at the
- * end); the caller frees the text. MCV_USAGE where one is no UTF-8 text, which JSON cannot hold. */
+ * end; or NULL); the caller frees the text. MCV_USAGE where one is no UTF-8 text, which JSON cannot
+ * hold. */
 mcv_result mcv_client_options(const mcv_command *command, const char *const *without, char **text,
                               mcv_error *error);
+
+/* The path without the ending of its file name, with another ending: a default name. The caller
+ * frees it. MCV_USAGE where it is no UTF-8 text. */
+mcv_result mcv_client_name(const char *path, const char *ending, char **name, mcv_error *error);
+
+/* What verbs that work on a scene begin with. */
+typedef struct mcv_client {
+    char *options;
+    mcv_session *session;
+    mcv_rig *rig;
+} mcv_client;
+
+/* The command's options, a session, and the rig of a file; NULL: none. After failure, too, it is
+ * closed by mcv_client_close. */
+mcv_result mcv_client_open(const mcv_command *command, const char *rig, mcv_client *client,
+                           mcv_error *error);
+void mcv_client_close(mcv_client *client);
 
 /* Prints a report of the library to standard output and its notes to standard error, and frees it.
  */
 mcv_result mcv_client_print(char *report, bool json, mcv_error *error);
+
+/* Prints the notes of a report in JSON only. False where the report is nothing else. */
+bool mcv_client_notes(const char *report);
+
+/* Prints a text for people to standard output, and the notes before it to standard error. */
+void mcv_client_text(const char *text);
 
 #endif

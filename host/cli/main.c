@@ -2,7 +2,6 @@
 /* The program: one verb per file beside this one. */
 #include "cli/verbs.h"
 #include "cli/tell.h"
-#include "verbs/report.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -22,7 +21,7 @@ mcv_result mcv_verb_help(const mcv_command *command, mcv_error *error) {
 
 static mcv_result run(int argc, char **argv, mcv_error *error) {
     static mcv_result (*const verbs[])(const mcv_command *, mcv_error *) = {
-#define MCV_X(verb, VERB, argument, doc) mcv_verb_##verb,
+#define MCV_X(verb, VERB, name, argument, doc) mcv_verb_##verb,
         MCV_VERBS(MCV_X)
 #undef MCV_X
     };

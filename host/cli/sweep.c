@@ -1,70 +1,72 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* mcvisi sweep: runs an experiment (experiment/experiment.h) from the command line or from a
- * file. */
-#include "cli/verbs.h"
+/* mcvisi sweep: an experiment from the command line or from a file. */
+#include "cli/client.h"
 #include "cli/interrupt.h"
-#include "cli/tell.h"
-#include "verbs/report.h"
-#include "cli/sweep.h"
+#include "cli/verbs.h"
 #include "core/basics.h"
 #include "core/json.h"
-#include "verbs/sweep.h"
+#include "core/output_file.h"
 
 #include <errno.h>
 #include <libgen.h>
+#include <limits.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
-static mcv_result interrupted(void *user) {
-    (void)user;
-    return mcv_interrupt_result();
+/* With --json only what is odd is shown before the end. */
+static bool on_told(void *user, const char *report) {
+    const mcv_command *command = user;
+    if (report && command->json) {
+        mcv_client_notes(report);
+    } else if (report) {
+        mcv_client_text(report);
+        fflush(stdout);
+    }
+    return mcv_interrupt == 0;
 }
 
-static void warn(void *user, const char *sentence) {
-    (void)user;
-    mcv_tell("warning", sentence);
-}
-
-/* The table of --output, or ARGUMENT-sweep.csv. */
-static mcv_result name_table(const mcv_command *c, char table[PATH_MAX], mcv_error *error) {
-    const char *given = c->argument, *dot = strrchr(given, '.'), *slash = strrchr(given, '/');
-    const int stem =
-        (int)(dot && dot > (slash ? slash : given) ? dot - given : (long)strlen(given));
-    const int length = c->table ? snprintf(table, PATH_MAX, "%s", c->table)
-                                : snprintf(table, PATH_MAX, "%.*s-sweep.csv", stem, given);
-    return length < PATH_MAX ? MCV_OK
-                             : mcv_fail(error, MCV_USAGE, "the path of the table is too long");
-}
-
-static mcv_result run(const mcv_command *c, const mcv_experiment *experiment, mcv_error *error) {
-    const double begun = mcv_seconds();
-    mcv_sweep s;
-    mcv_result result = mcv_experiment_plan(experiment, &s, error);
-    mcv_interrupt_watch(false);
-    if (result == MCV_OK) result = mcv_experiment_open_table(&s, error);
-    if (result == MCV_OK) result = mcv_experiment_run(&s, error);
-    if (result == MCV_OK) result = mcv_sweep_report(&s, c->json, mcv_seconds() - begun, error);
-    const size_t failed = mcv_table_failed(&s.table);
-    if (result == MCV_OK && failed == s.table.row_count)
-        result = mcv_fail(error, MCV_FAILED, "all %zu sets failed, the first one: %s", failed,
-                          s.table.messages[0]);
-    mcv_experiment_free(&s);
+/* F.json beside the table must not replace the file that the experiment is read from. */
+static mcv_result check_experiment(const mcv_command *c, const char *file, mcv_error *error) {
+    char *sidecar;
+    MCV_TRY(mcv_client_name(c->table, ".json", &sidecar, error));
+    const mcv_result result =
+        mcv_same_file(sidecar, file)
+            ? mcv_fail(error, MCV_USAGE, "%s is the experiment: give the table another name by -o",
+                       sidecar)
+            : MCV_OK;
+    free(sidecar);
     return result;
 }
 
-static mcv_result sweep_command(const mcv_command *c, const char *rig, mcv_error *error) {
-    char table[PATH_MAX];
-    mcv_experiment experiment;
-    MCV_TRY(mcv_sweep_experiment(c, &experiment, error));
-    MCV_TRY(name_table(c, table, error));
-    experiment.rig = rig;
-    experiment.file = c->argument;
-    experiment.table = table;
-    experiment.settings = mcv_sweep_settings(c);
-    experiment.calls = (mcv_sweep_calls){
-        .warning = warn, .row = mcv_sweep_tell_row, .interrupted = interrupted, .user = (void *)c};
-    const mcv_result result = run(c, &experiment, error);
-    json_decref(experiment.settings);
+/* `file`: what the table is named after, the rig or the file of the experiment. */
+static mcv_result run(const mcv_command *c, const char *rig, const char *file, mcv_error *error) {
+    mcv_client client = {NULL};
+    char *report = NULL;
+    mcv_result result = check_experiment(c, file, error);
+    if (result == MCV_OK) result = mcv_client_open(c, rig, &client, error);
+    mcv_interrupt_watch(false);
+    if (result == MCV_OK)
+        result = mcv_session_sweep(client.session, client.rig, client.options, on_told, (void *)c,
+                                   &report, error);
+    if (report && c->json)
+        puts(report);
+    else if (report)
+        mcv_client_text(report);
+    mcv_text_free(report);
+    mcv_client_close(&client);
+    return result == MCV_INTERRUPTED ? mcv_interrupt_result() : result;
+}
+
+/* The table of --output, or FILE-sweep.csv. */
+static mcv_result sweep_command(const mcv_command *c, const char *rig, const char *file,
+                                mcv_error *error) {
+    mcv_command named = *c;
+    char *name = NULL;
+    if (!c->table) MCV_TRY(mcv_client_name(file, "-sweep.csv", &name, error));
+    if (name) named.table = name;
+    const mcv_result result = run(&named, rig, file, error);
+    free(name);
     return result;
 }
 
@@ -98,7 +100,6 @@ static mcv_result sweep_file(const mcv_command *given, const char *path, mcv_err
     mcv_result result = read_rig(document, path, rig, error);
     json_object_del(document, "rig");
     json_object_del(document, "fingerprint");
-    json_object_del(document, "note");
     if (result == MCV_OK)
         result = mcv_arguments_read(document, path, given, path, &arguments, error);
     json_decref(document);
@@ -106,7 +107,7 @@ static mcv_result sweep_file(const mcv_command *given, const char *path, mcv_err
         mcv_error detail = {""};
         result = mcv_command_parse(arguments.count, arguments.items, &command, &detail);
         if (result != MCV_OK) result = mcv_fail(error, result, "%s: %s", path, detail.text);
-        if (result == MCV_OK) result = sweep_command(&command, rig, error);
+        if (result == MCV_OK) result = sweep_command(&command, rig, path, error);
         mcv_command_free(&command);
     }
     mcv_arguments_free(&arguments);
@@ -116,5 +117,5 @@ static mcv_result sweep_file(const mcv_command *given, const char *path, mcv_err
 mcv_result mcv_verb_sweep(const mcv_command *command, mcv_error *error) {
     return mcv_ends_in(command->argument, ".json")
                ? sweep_file(command, command->argument, error)
-               : sweep_command(command, command->argument, error);
+               : sweep_command(command, command->argument, command->argument, error);
 }

@@ -13,7 +13,7 @@ void mcv_help_print_verb(unsigned verb);
 mcv_result mcv_help_print_schema(unsigned verb, mcv_error *error);
 
 /* The verbs. Results go to standard output, warnings and progress to standard error. */
-#define MCV_X(verb, VERB, argument, doc) \
+#define MCV_X(verb, VERB, name, argument, doc) \
     mcv_result mcv_verb_##verb(const mcv_command *command, mcv_error *error);
 MCV_VERBS(MCV_X)
 #undef MCV_X

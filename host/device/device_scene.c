@@ -330,7 +330,7 @@ mcv_result mcv_device_scene_place(mcv_cl *cl, const mcv_scene *scene, uint32_t s
             filling > 0 ? 1.0f / packed->media[k][filling].inverse_index_squared : 1.0f;
     memcpy(frame->environment, packed->environment, sizeof frame->environment);
     frame->environment_emitter = packed->environment_emitter;
-    mcv_pack_placement(packed, &from->to_world, frame->to_world, frame->to_world_rest);
+    mcv_pack_placement(packed, &from->to_world, frame->to_world, frame->to_world_low);
     if (packed->features >> MCV_FEATURE_AIM & 1) {
         const size_t bytes = sizeof(mcv_device_pupil_guide) * frame->width * frame->height;
         MCV_TRY(mcv_cl_buffer(cl, "the pupil guides", bytes, NULL, &device->pupil_guides, error));

@@ -98,9 +98,9 @@ static bool any_above_0(const double spectrum[3]) {
 }
 
 static void find_of_material(finding *f, const mcv_material *m) {
-    const mcv_dielectric_params *glass =
-        m->type == MCV_MATERIAL_DIELECTRIC ? &m->as.dielectric : NULL;
-    const bool diffuse = m->type == MCV_MATERIAL_DIFFUSE;
+    const mcv_medium_params *medium = mcv_material_has_medium(m->type) ? &m->as.medium : NULL;
+    const bool diffuse = m->type == MCV_MATERIAL_DIFFUSE,
+               glass = m->type == MCV_MATERIAL_DIELECTRIC;
     const bool plate = mcv_material_is_plate(m->type);
     const bool texture = m->texture != MCV_NONE || mcv_material_surface_texture(m) != MCV_NONE;
     const struct {
@@ -109,10 +109,10 @@ static void find_of_material(finding *f, const mcv_material *m) {
     } of[] = {
         {MCV_FEATURE_DIFFUSE, diffuse},
         {MCV_FEATURE_TRANSLUCENT, diffuse && any_above_0(m->as.diffuse.transmittance)},
-        {MCV_FEATURE_DIELECTRIC, glass},
-        {MCV_FEATURE_ABSORPTION, glass && any_above_0(glass->absorption)},
-        {MCV_FEATURE_COATING, glass && glass->coating > 0},
-        {MCV_FEATURE_DISPERSION, glass && !mcv_is_grey(glass->ior)},
+        {MCV_FEATURE_DIELECTRIC, medium},
+        {MCV_FEATURE_ABSORPTION, medium && any_above_0(medium->absorption)},
+        {MCV_FEATURE_COATING, glass && m->as.dielectric.coating > 0},
+        {MCV_FEATURE_DISPERSION, medium && !mcv_is_grey(medium->ior)},
         {MCV_FEATURE_SPLIT, plate || glass},
         {MCV_FEATURE_SHEET, plate},
         {MCV_FEATURE_MIRROR, m->type == MCV_MATERIAL_MIRROR},
@@ -158,7 +158,7 @@ static bool well_inside(const mcv_box3d *inner, const mcv_box3d *outer) {
 }
 
 static bool is_dielectric_body(const mcv_scene *scene, const mcv_instance *instance) {
-    return scene->materials[instance->material].type == MCV_MATERIAL_DIELECTRIC;
+    return mcv_material_has_medium(scene->materials[instance->material].type);
 }
 
 /* Are both pieces of exact bodies with one frame, such as those of a lens? */

@@ -119,6 +119,6 @@ bool mcv_is_sampled(const mcv_emitter *emitter);
 /* The placement of the sensor: from the optical frame to the re-centred world, and its rounding
  * error. */
 void mcv_pack_placement(const mcv_packed *packed, const mcv_transform *to_world,
-                        float placement[12], float rest[12]);
+                        float placement[12], float low[12]);
 
 #endif

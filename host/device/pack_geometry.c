@@ -102,7 +102,7 @@ double mcv_packed_size(const mcv_packed *packed) {
 }
 
 void mcv_pack_placement(const mcv_packed *packed, const mcv_transform *to_world,
-                        float placement[12], float rest[12]) {
+                        float placement[12], float low[12]) {
     const double *m = to_world->m;
     for (int r = 0; r < 3; ++r) {
         /* The optical axis is the node's -z. */
@@ -110,7 +110,7 @@ void mcv_pack_placement(const mcv_packed *packed, const mcv_transform *to_world,
         for (int k = 0; k < 4; ++k) {
             const int to = k < 3 ? 3 * r + k : 9 + r;
             placement[to] = (float)row[k];
-            rest[to] = (float)(row[k] - placement[to]);
+            low[to] = (float)(row[k] - placement[to]);
         }
     }
 }

@@ -27,7 +27,7 @@ static void pack_media(const mcv_scene *scene, mcv_packed *packed, uint32_t coun
                        const uint32_t *materials, int channel) {
     double index[MCV_MAX_MEDIA + 1] = {1.0};
     for (uint32_t m = 1; m <= count; ++m) {
-        const mcv_dielectric_params *params = &scene->materials[materials[m]].as.dielectric;
+        const mcv_medium_params *params = &scene->materials[materials[m]].as.medium;
         index[m] = params->ior[channel];
         for (int k = 0; k < 3; ++k)
             packed->media[channel][m].absorption[k] = (float)params->absorption[k];
@@ -67,7 +67,7 @@ mcv_result mcv_pack_media(const mcv_scene *scene, const mcv_packed *earlier, mcv
     if (!medium_of) return mcv_fail(error, MCV_FAILED, "%s: no memory for the media", scene->path);
     for (uint32_t i = 0; i < scene->instance_count; ++i) {
         const uint32_t material = scene->instances[i].material;
-        if (scene->materials[material].type != MCV_MATERIAL_DIELECTRIC) continue;
+        if (!mcv_material_has_medium(scene->materials[material].type)) continue;
         uint32_t taken = 0; /* bits of media that this body must not share */
         for (uint32_t j = 0; j < i; ++j) {
             if (medium_of[j] > 0 && mcv_boxes_overlap(&boxes[i], &boxes[j]))
@@ -84,7 +84,7 @@ mcv_result mcv_pack_media(const mcv_scene *scene, const mcv_packed *earlier, mcv
                             "overlap: join those of one material into one mesh",
                             scene->path, MCV_MAX_MEDIA);
         }
-        media[count] = (body_medium){material, scene->materials[material].as.dielectric.priority};
+        media[count] = (body_medium){material, scene->materials[material].as.medium.priority};
         medium_of[i] = ++count;
     }
 
@@ -112,7 +112,7 @@ mcv_result mcv_pack_media(const mcv_scene *scene, const mcv_packed *earlier, mcv
     if (!packed->gloss) return MCV_OK;
     double index[MCV_MAX_MEDIA + 1] = {1.0};
     for (uint32_t m = 1; m <= count; ++m)
-        index[m] = scene->materials[materials[m]].as.dielectric.ior[MCV_ALBEDO_CHANNEL];
+        index[m] = scene->materials[materials[m]].as.medium.ior[MCV_ALBEDO_CHANNEL];
     return mcv_pack_interfaces(scene, earlier, packed, count, materials, index, error);
 }
 

@@ -3,11 +3,11 @@
  * surfaces and refractive indices in double. */
 #include "device/pack.h"
 #include "scene/geometry.h"
+#include "scene/materials.h"
 
 #include <stdlib.h>
 
-static void pack_rests(const mcv_scene *scene, mcv_packed *packed, uint32_t instance,
-                       size_t first) {
+static void pack_lows(const mcv_scene *scene, mcv_packed *packed, uint32_t instance, size_t first) {
     const mcv_mesh *mesh = &scene->meshes[scene->instances[instance].mesh];
     for (uint32_t v = 0; v < mesh->vertex_count; ++v) {
         const size_t at = 3 * (first + v);
@@ -34,7 +34,7 @@ mcv_result mcv_pack_precise(const mcv_scene *scene, mcv_packed *packed, mcv_erro
         return mcv_fail(error, MCV_FAILED, "%s: no memory for --precision mixed", scene->path);
     size_t first = 0;
     for (uint32_t i = 0; i < scene->instance_count; ++i) {
-        pack_rests(scene, packed, i, first);
+        pack_lows(scene, packed, i, first);
         first += scene->meshes[scene->instances[i].mesh].vertex_count;
     }
     if (packed->solids) mcv_pack_precise_solids(scene, packed);
@@ -44,7 +44,7 @@ mcv_result mcv_pack_precise(const mcv_scene *scene, mcv_packed *packed, mcv_erro
             const uint32_t medium = packed->instances[i].medium;
             const mcv_material *material = &scene->materials[scene->instances[i].material];
             if (medium > 0)
-                packed->refractive_indices[channel][medium] = material->as.dielectric.ior[channel];
+                packed->refractive_indices[channel][medium] = material->as.medium.ior[channel];
         }
     }
     return MCV_OK;

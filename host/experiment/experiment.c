@@ -23,11 +23,17 @@ mcv_result mcv_experiment_load(const mcv_sweep *s, mcv_overrides set, mcv_scene 
                        : mcv_scene_load_cached(e->rig, set, s->assets, scene, error);
 }
 
+static const char *unit_of_values(const mcv_experiment *e, const mcv_sensor *sensor) {
+    if (e->measuring.in_gradient) return "";
+    if (mcv_camera_wanted(&e->measuring.camera)) return "DN";
+    return mcv_sensor_measures_irradiance(sensor) ? "W/m^2" : "W/(m^2 sr)";
+}
+
 /* Checks the scene without a set's overrides: its errors would occur in every set. */
 static mcv_result check_rig(mcv_sweep *s, mcv_error *error) {
     const mcv_experiment *e = s->experiment;
     mcv_scene *scene;
-    uint32_t sensor;
+    uint32_t sensor = 0;
     MCV_TRY(mcv_experiment_load(s, e->set, &scene, error));
     snprintf(s->fingerprint, sizeof s->fingerprint, "%016" PRIx64, scene->fingerprint);
     for (uint32_t i = 0; i < scene->warning_count && e->calls.warning; ++i)
@@ -39,6 +45,7 @@ static mcv_result check_rig(mcv_sweep *s, mcv_error *error) {
     if (result == MCV_OK && !e->sensor && scene->sensor_count > 1)
         result = mcv_fail(error, MCV_USAGE, "%s has %u sensors: choose one by --sensor", e->rig,
                           scene->sensor_count);
+    if (result == MCV_OK) s->unit = unit_of_values(e, scene->sensors + sensor);
     mcv_scene_free(scene);
     return result;
 }
@@ -131,8 +138,7 @@ mcv_result mcv_experiment_run(mcv_sweep *s, mcv_error *error) {
     mcv_error later = {""};
     const mcv_result result = run_sets(s, error);
     if (s->table.row_count == 0 || !s->experiment->table) return result;
-    const mcv_result paged =
-        mcv_experiment_page(s->experiment->rig, &s->table, result == MCV_OK ? error : &later);
+    const mcv_result paged = mcv_experiment_page(s, result == MCV_OK ? error : &later);
     return result == MCV_OK ? paged : result;
 }
 

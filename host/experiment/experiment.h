@@ -59,6 +59,7 @@ typedef struct mcv_experiment {
     bool resume;                  /* continue an existing table */
     bool force;                   /* begin it again */
     const char *file; /* the file of the experiment, which F.json must not replace; or NULL */
+    const char *title, *note; /* of the page: its heading, and a sentence below it; or NULL */
     json_t *settings; /* further contents of F.json, which must be equal to resume: an object, or
                          NULL */
     mcv_sweep_calls calls;
@@ -72,6 +73,7 @@ struct mcv_sweep {
     mcv_plan plan;
     mcv_measurement measurement;
     mcv_table table;
+    const char *unit;       /* of the values of the pictures that are measured; "" for ratios */
     char fingerprint[32];   /* of the scene and the files that it names */
     bool *done;             /* sets that have a row */
     double stage_seconds;   /* of all renders, on the device */

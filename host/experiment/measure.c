@@ -29,22 +29,42 @@ static mcv_result read_metric(const char *item, mcv_measurement *m, mcv_error *e
     return MCV_OK;
 }
 
+/* The metric of "NAME=…" and what follows; *equals is NULL without "=". */
+static mcv_result find_metric(const char *option, const char *item, const mcv_measurement *m,
+                              const char **equals, size_t *found, mcv_error *error) {
+    *equals = strrchr(item, '=');
+    for (*found = 0; *equals && *found < m->count; ++*found) {
+        const char *name = m->metrics[*found].name;
+        const size_t length = (size_t)(*equals - item);
+        if (strlen(name) == length && strncmp(name, item, length) == 0) return MCV_OK;
+    }
+    return *equals ? mcv_fail(error, MCV_USAGE, "--%s %s: there is no --metric with this name",
+                              option, item)
+                   : MCV_OK;
+}
+
 static mcv_result read_until(const char *item, mcv_measurement *m, mcv_error *error) {
-    const char *equals = strrchr(item, '=');
-    mcv_metric *found = NULL;
+    const char *equals;
     char *end = NULL;
-    for (size_t k = 0; k < m->count && equals; ++k)
-        if (strlen(m->metrics[k].name) == (size_t)(equals - item) &&
-            strncmp(m->metrics[k].name, item, (size_t)(equals - item)) == 0)
-            found = m->metrics + k;
-    if (equals && !found)
-        return mcv_fail(error, MCV_USAGE, "--until %s: there is no --metric with this name", item);
+    size_t found;
+    MCV_TRY(find_metric("until", item, m, &equals, &found, error));
     const double until = equals ? strtod(equals + 1, &end) : 0;
     if (!equals || end == equals + 1 || *end || !(until > 0))
         return mcv_fail(error, MCV_USAGE,
                         "--until %s: must be NAME=U, a standard uncertainty above 0", item);
-    found->until = until;
+    m->metrics[found].until = until;
     return MCV_OK;
+}
+
+static mcv_result read_best(const char *item, mcv_measurement *m, mcv_error *error) {
+    const char *equals;
+    MCV_TRY(find_metric("best", item, m, &equals, &m->best, error));
+    m->best_largest = equals && strcmp(equals + 1, "largest") == 0;
+    return equals && (m->best_largest || strcmp(equals + 1, "smallest") == 0)
+               ? MCV_OK
+               : mcv_fail(error, MCV_USAGE,
+                          "--best %s: must be NAME=largest or NAME=smallest, a metric's name",
+                          item);
 }
 
 mcv_result mcv_measurement_read(const mcv_measuring *asked, mcv_measurement *m, mcv_error *error) {
@@ -61,7 +81,8 @@ mcv_result mcv_measurement_read(const mcv_measuring *asked, mcv_measurement *m, 
         MCV_TRY(read_metric(asked->metrics.items[i], m, error));
     for (size_t i = 0; i < asked->until.count; ++i)
         MCV_TRY(read_until(asked->until.items[i], m, error));
-    return MCV_OK;
+    m->best = m->count;
+    return asked->best ? read_best(asked->best, m, error) : MCV_OK;
 }
 
 /* Values of the gradient, whose uncertainties are not known. */

@@ -12,6 +12,7 @@
 typedef struct mcv_measuring {
     mcv_texts metrics;          /* "[NAME:=]EXPR", a name like a metric's or an expression */
     mcv_texts until;            /* "NAME=U": render until the metric's standard uncertainty is U */
+    const char *best;           /* "NAME=largest|smallest": what the best set has, or NULL */
     mcv_places places;          /* as given: in pixels, or on the part */
     mcv_camera_settings camera; /* if given, grey values are measured, else light */
     uint64_t channel;           /* 1: red …; 0: the mean of all */
@@ -33,6 +34,8 @@ typedef struct mcv_measurement {
     const mcv_measuring *asked;
     mcv_metric metrics[MCV_METRICS];
     size_t count;
+    size_t best;       /* the metric that tells the best set; count: none */
+    bool best_largest; /* largest is best, else smallest */
 } mcv_measurement;
 
 /* Reads the metrics. MCV_USAGE names the wrong text. Nothing needs to be freed. */

@@ -56,9 +56,8 @@ static bool is_enough(void *user, const mcv_film *film) {
     return mcv_measurement_suffices(&w->sweep->measurement, w->scene, w->sensor, film);
 }
 
-/* The sensor of the experiment, with its pixels. */
-static mcv_result find_sensor(const mcv_experiment *e, mcv_scene *scene, uint32_t *sensor,
-                              mcv_error *error) {
+mcv_result mcv_set_sensor(const mcv_experiment *e, mcv_scene *scene, uint32_t *sensor,
+                          mcv_error *error) {
     *sensor = 0;
     if (scene->sensor_count == 0)
         return mcv_fail(error, MCV_BAD_INPUT, "%s: the scene has no sensor", e->rig);
@@ -85,13 +84,19 @@ static mcv_result render(mcv_sweep *s, set_at_work *w, mcv_film *film, mcv_error
     return result;
 }
 
+mcv_result mcv_set_image_path(const mcv_experiment *e, size_t set, char path[PATH_MAX],
+                              mcv_error *error) {
+    if (snprintf(path, PATH_MAX, "%s/set-%05zu.exr", e->images, set) >= PATH_MAX)
+        return mcv_fail(error, MCV_USAGE, "--images %s: the path is too long", e->images);
+    return MCV_OK;
+}
+
 static mcv_result keep_image(const mcv_sweep *s, const set_at_work *w, size_t set,
                              const mcv_film *film, const mcv_set_texts texts, mcv_error *error) {
     const mcv_experiment *e = s->experiment;
     char path[PATH_MAX], joined[sizeof(mcv_set_texts)] = "", *end = joined;
     if (!e->images) return MCV_OK;
-    if (snprintf(path, sizeof path, "%s/set-%05zu.exr", e->images, set) >= PATH_MAX)
-        return mcv_fail(error, MCV_USAGE, "--images %s: the path is too long", e->images);
+    MCV_TRY(mcv_set_image_path(e, set, path, error));
     for (size_t i = 0; i < s->plan.count; ++i) {
         if (i) *end++ = '\n';
         end = stpcpy(end, texts[i]);
@@ -119,7 +124,7 @@ static mcv_result try_set(mcv_sweep *s, size_t set, double *row, mcv_error *erro
     set_at_work w = {.sweep = s};
     MCV_TRY(mcv_load_set(s, row, texts, &scene, error));
     w.scene = scene;
-    mcv_result result = find_sensor(s->experiment, scene, &w.sensor, error);
+    mcv_result result = mcv_set_sensor(s->experiment, scene, &w.sensor, error);
     if (result == MCV_OK) result = render(s, &w, &film, error);
     if (result == MCV_OK) result = measure(s, &w, set, &film, texts, row, error);
     mcv_film_free(&film);

@@ -13,6 +13,14 @@ typedef char mcv_set_texts[MCV_DESIGN_PARAMETERS][512];
 mcv_result mcv_load_set(const mcv_sweep *sweep, const double *numbers, mcv_set_texts texts,
                         mcv_scene **scene, mcv_error *error);
 
+/* The sensor of the experiment in a scene, which gets the experiment's pixels. */
+mcv_result mcv_set_sensor(const mcv_experiment *experiment, mcv_scene *scene, uint32_t *sensor,
+                          mcv_error *error);
+
+/* Where --images keeps the picture of a set. */
+mcv_result mcv_set_image_path(const mcv_experiment *experiment, size_t set, char path[PATH_MAX],
+                              mcv_error *error);
+
 /*
  * Renders and measures a set. row has room for MCV_ROW_MOST numbers and contains the set's
  * parameters. Fills in the others and appends the row to the table, with a message if the set

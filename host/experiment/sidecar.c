@@ -36,6 +36,14 @@ mcv_result mcv_sidecar_write(const mcv_sidecar *s, mcv_error *error) {
 }
 
 /* `before` holds the contents of the file, NULL if it cannot be read. */
+/* What only the page tells may change; the scene is compared by its fingerprint. */
+static bool is_free(const char *key) {
+    static const char *const keys[] = {"rig", "title", "note", "best"};
+    for (size_t i = 0; i < sizeof keys / sizeof keys[0]; ++i)
+        if (strcmp(key, keys[i]) == 0) return true;
+    return false;
+}
+
 static mcv_result compare(const mcv_sidecar *s, const json_t *before, const json_t *now,
                           const char *wrong, mcv_error *error) {
     const char *key, *hash = json_string_value(json_object_get(before, "fingerprint"));
@@ -50,13 +58,13 @@ static mcv_result compare(const mcv_sidecar *s, const json_t *before, const json
             "%s or a file that it names has changed since %s was begun: start another table by -o",
             s->rig, s->table);
     json_object_foreach((json_t *)now, key, value) {
-        if (strcmp(key, "rig") != 0 && !json_equal(value, json_object_get(before, key)))
+        if (!is_free(key) && !json_equal(value, json_object_get(before, key)))
             return mcv_fail(error, MCV_BAD_INPUT,
                             "--%s differs from that of %s (%s): start another table by -o", key,
                             s->table, s->path);
     }
     json_object_foreach((json_t *)before, key, value) {
-        if (!json_object_get(now, key))
+        if (!is_free(key) && !json_object_get(now, key))
             return mcv_fail(error, MCV_BAD_INPUT,
                             "--%s is missing, but %s has it (%s): start another table by -o", key,
                             s->table, s->path);

@@ -20,7 +20,7 @@ enum {
     MCV_EXR_MAX_SIDE = 32768
 };
 
-/* At most so many bytes of pixels, as float, are read from one file. */
+/* The largest file that is read: bytes of its pixels as float. */
 #define MCV_EXR_MAX_BYTES ((uint64_t)1 << 32)
 
 /* A text, or count numbers: 1, 2, 4 (of which float32 remains) or 16 (a matrix by rows). */
@@ -68,7 +68,7 @@ void mcv_exr_free(mcv_exr *exr);
 /* The attribute of this name, or NULL. */
 const mcv_attribute *mcv_exr_attribute(const mcv_exr *exr, const char *name);
 
-/* The numbers of the attribute of this name, if it has so many; or NULL. */
+/* The numbers of the attribute of this name, if it has `count` of them; or NULL. */
 const double *mcv_exr_numbers(const mcv_exr *exr, const char *name, uint32_t count);
 
 /* The image of the part of this name, if it has part 0's size and channels; or NULL. */

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* An image with coordinates drawn on it, for people who look for places to measure in. */
+/* An image with coordinates drawn on it, from which people read places to measure in. */
 #ifndef MCVISI_HOST_IO_GRID_H
 #define MCVISI_HOST_IO_GRID_H
 
@@ -15,10 +15,10 @@ typedef struct mcv_grid {
 } mcv_grid;
 
 /*
- * The first channel in grey, up to the level of a preview; pixels along the left and the upper
- * side. With a model, lines of equal coordinates of the node, in mm, in the plane in focus (else in
- * the depth of the node), of the two axes that the view shows most of; the title tells the third.
- * `node` may be NULL.
+ * Draws the first channel in grey, up to the level of a preview, with pixel numbers along the left
+ * and the upper side. With a model it also draws lines of equal coordinates of the node, in mm, in
+ * the plane in focus, or in the depth of the node where there is none. They are those of the two
+ * axes that the view shows most of; the title names the third. `node` may be NULL.
  */
 mcv_result mcv_grid_begin(mcv_grid *grid, const mcv_image *image, const mcv_camera_model *model,
                           const mcv_placement *node, mcv_error *error);

@@ -19,7 +19,7 @@ mcv_result mcv_npy_write_values(const char *path, const mcv_image *image, int bi
              "%s\x01%c%c%c{'descr': '%s', 'fortran_order': False, 'shape': (%u, %u%s), }", magic, 0,
              0, 0, bits == 8 ? "|u1" : "<u2", image->height, image->width,
              image->channels == 3 ? ", 3" : "");
-    /* Blanks and a newline up to a multiple of 64 bytes; two bytes tell the length of what follows
+    /* Blanks and a newline up to a multiple of 64 bytes; two bytes hold the length of what follows
      * them. */
     const size_t text = strlen(header + PREAMBLE),
                  total = (PREAMBLE + text + 1 + ALIGNMENT - 1) / ALIGNMENT * ALIGNMENT;

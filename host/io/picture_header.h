@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What the header of an image tells of the sensor that it is of. */
+/* The sensor's part of an image's header. */
 #ifndef MCVISI_HOST_IO_PICTURE_HEADER_H
 #define MCVISI_HOST_IO_PICTURE_HEADER_H
 

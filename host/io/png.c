@@ -136,7 +136,7 @@ double mcv_preview_white(const mcv_image *image) {
     return quantile > 0 ? quantile : largest;
 }
 
-static uint8_t encode_srgb(double value) {
+uint8_t mcv_srgb_of(double value) {
     if (!(value > 0)) return 0;
     if (value >= 1) return 255;
     const double encoded = value <= 0.0031308 ? 12.92 * value : 1.055 * pow(value, 1 / 2.4) - 0.055;
@@ -166,7 +166,7 @@ mcv_result mcv_png_write_preview(const char *path, const mcv_image *image, const
             const double value = image->pixels[c * pixels + i];
             // NOLINTNEXTLINE(clang-analyzer-unix.Malloc): pixels times channels is no 0, the image
             // itself is larger
-            bytes[i * image->channels + c] = encode_srgb(value / preview->white);
+            bytes[i * image->channels + c] = mcv_srgb_of(value / preview->white);
             above = above || value > preview->white;
         }
         saturated += above;

@@ -20,6 +20,9 @@ typedef struct mcv_preview {
  */
 double mcv_preview_white(const mcv_image *image);
 
+/* A share of white as an 8-bit sRGB code (IEC 61966-2-1), clipped to [0, 1]; NaN is black. */
+uint8_t mcv_srgb_of(double share);
+
 /*
  * Writes an image of 1 or 3 channels as 8-bit grey or RGB: value / white clipped to [0, 1] and sRGB
  * encoded (IEC 61966-2-1). NaN is black, +∞ white. preview->white > 0 is used as given; otherwise

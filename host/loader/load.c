@@ -161,7 +161,7 @@ mcv_result mcv_scene_load_document(const mcv_document *document, mcv_overrides o
     if (!loader.scene) return mcv_fail_memory(&loader.file, error);
     loader.root = json_deep_copy(document->root);
     loader.binary = document->binary;
-    mcv_load_count(&loader, &document->fingerprint, sizeof document->fingerprint);
+    loader.fingerprint = document->fingerprint;
     const mcv_result result =
         loader.root ? load(&loader, overrides, error) : mcv_fail_memory(&loader.file, error);
     return finish(&loader, result, scene);

@@ -46,8 +46,6 @@ json_t *mcv_verb_schema(unsigned verb_index) {
         json_object_set_new(properties, "rig",
                             json_pack("{s:s, s:s}", "type", "string", "description",
                                       "the scene, relative to this file's folder"));
-        json_object_set_new(properties, "note",
-                            json_pack("{s:s, s:s}", "type", "string", "description", "a comment"));
         json_object_set_new(
             properties, "fingerprint",
             json_pack("{s:s, s:s}", "type", "string", "description",

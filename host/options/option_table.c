@@ -24,7 +24,7 @@ const mcv_option mcv_options[MCV_OPTION_COUNT] = {
 };
 
 const mcv_verb mcv_verbs[MCV_VERB_COUNT] = {
-#define MCV_X(name, NAME, argument, doc) {#name, argument, doc},
+#define MCV_X(verb, VERB, name, argument, doc) {name, argument, doc},
     MCV_VERBS(MCV_X)
 #undef MCV_X
 };

@@ -7,40 +7,44 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* X(verb, VERB, "arguments", "what it does"). A verb has no, one or two arguments; an optional one
- * stands in []. */
+/* X(verb, VERB, "name", "arguments", "what it does"). A verb has no, one or two arguments; an
+ * optional one stands in []. */
 #define MCV_VERBS(X) \
-    X(render, RENDER, "SCENE", "render every sensor of a scene into OpenEXR and PNG images") \
-    X(new, NEW, "telecentric|entocentric|lightfield|transparent PART", \
+    X(render, RENDER, "render", "SCENE", \
+      "render every sensor of a scene into OpenEXR and PNG images") \
+    X(new, NEW, "new", "telecentric|entocentric|lightfield|transparent PART", \
       "write a rig around a part (.stl, .glb, .gltf): standard optics that frame it, and a light " \
       "(transparent: a light field camera and a parallel panel behind the part)") \
-    X(check, CHECK, "[SCENE]", \
+    X(check, CHECK, "check", "[SCENE]", \
       "print how a scene was understood: optics, emitters, materials, features with their " \
       "causes, stages, findings") \
-    X(trace, TRACE, "SCENE", \
+    X(trace, TRACE, "trace", "SCENE", \
       "trace given rays through a scene's smooth surfaces and print every vertex of their paths") \
-    X(compare, COMPARE, "A B", \
+    X(compare, COMPARE, "compare", "A B", \
       "test whether two renders of the same picture (OpenEXR images or scenes) differ by more " \
       "than their noise; exit code 1 if they do") \
-    X(camera, CAMERA, "IMAGE.exr", \
+    X(camera, CAMERA, "camera", "IMAGE.exr", \
       "convert irradiance or radiance to the grey values of a camera, with its noise (EMVA 1288)") \
-    X(measure, MEASURE, "IMAGE", \
+    X(camera_model, CAMERA_MODEL, "camera-model", "[RIG]", \
+      "write the camera model of a sensor for OpenCV, ROS, HALCON or COLMAP, or take such a " \
+      "camera into a rig") \
+    X(measure, MEASURE, "measure", "IMAGE", \
       "measure in an image: regions, contrasts, edges and their sharpness, lines, widths and " \
       "circles, each with its standard uncertainty") \
-    X(sweep, SWEEP, "RIG|EXPERIMENT.json", \
+    X(sweep, SWEEP, "sweep", "RIG|EXPERIMENT.json", \
       "render a scene with many sets of parameters and measure in each image; the result is a " \
       "table and a page of plots with error bars") \
-    X(lightfield, LIGHTFIELD, "views|emd-gradient IMAGE.exr", \
+    X(lightfield, LIGHTFIELD, "lightfield", "views|emd-gradient IMAGE.exr", \
       "show a light field image as its sub-aperture views, or its Earth Mover's gradient, in " \
       "which defects stand out") \
-    X(import, IMPORT, "LENS.zmx|LENS.seq", \
+    X(import, IMPORT, "import", "LENS.zmx|LENS.seq", \
       "convert a lens file of a design program to a glTF file with exact surfaces, which scenes " \
       "can place") \
-    X(devices, DEVICES, "", "list the OpenCL devices and their numbers") \
-    X(help, HELP, "[VERB]", "explain a verb and its options")
+    X(devices, DEVICES, "devices", "", "list the OpenCL devices and their numbers") \
+    X(help, HELP, "help", "[VERB]", "explain a verb and its options")
 
 enum {
-#define MCV_X(verb, VERB, argument, doc) MCV_VERB_##VERB,
+#define MCV_X(verb, VERB, name, argument, doc) MCV_VERB_##VERB,
     MCV_VERBS(MCV_X)
 #undef MCV_X
         MCV_VERB_COUNT
@@ -48,7 +52,7 @@ enum {
 
 /* Sets of verbs that take an option. */
 enum {
-#define MCV_X(verb, VERB, argument, doc) MCV_IN_##VERB = 1 << MCV_VERB_##VERB,
+#define MCV_X(verb, VERB, name, argument, doc) MCV_IN_##VERB = 1 << MCV_VERB_##VERB,
     MCV_VERBS(MCV_X)
 #undef MCV_X
         MCV_IN_RENDERS = MCV_IN_RENDER | MCV_IN_SWEEP, /* verbs that render scenes */
@@ -111,8 +115,9 @@ enum {
       "shortest dimension") \
     X(size, film, "resolution", 0, "WxH", MCV_IN_NEW, NULL, 1, 16384, \
       "pixels of the camera; macro pixels of a light field camera") \
-    X(text, pixel_size, "pixel-size", 0, "P", MCV_IN_NEW, NULL, 0, 0, \
-      "width of a pixel, a length such as 3.45um") \
+    X(text, pixel_size, "pixel-size", 0, "P", MCV_IN_NEW | MCV_IN_CAMERA_MODEL, NULL, 0, 0, \
+      "width of a pixel, a length such as 3.45um; camera-model --import: where the file does " \
+      "not state it (5um)") \
     X(text, field_of_view, "field-of-view", 0, "W", MCV_IN_NEW, NULL, 0, 0, \
       "width of the field in the plane in focus, such as 60mm; or give --magnification") \
     X(number, magnification, "magnification", 0, "M", MCV_IN_NEW, NULL, 0, 1e4, \
@@ -125,8 +130,8 @@ enum {
     X(number, f_number, "f-number", 0, "N", MCV_IN_NEW, NULL, 0, 1e4, \
       "the working f-number, on the image side") \
     X(text, sensor, "sensor", 0, "NAME", \
-      MCV_IN_RENDERS | MCV_IN_CHECK | MCV_IN_MEASURE | MCV_IN_COMPARE, NULL, 0, 0, \
-      "use only this sensor, by name or number") \
+      MCV_IN_RENDERS | MCV_IN_CHECK | MCV_IN_MEASURE | MCV_IN_COMPARE | MCV_IN_CAMERA_MODEL, NULL, \
+      0, 0, "use only this sensor, by name or number") \
     X(count, spp, "spp", 0, "N", MCV_IN_RENDERS | MCV_IN_COMPARE, NULL, 1, 1ull << 37, \
       "stop at N samples per pixel over all replicates; N / replicates is rounded up to a " \
       "power of two") \
@@ -168,7 +173,8 @@ enum {
       "sequence have the same noise") \
     X(count, depth, "depth", 0, "N", MCV_IN_RENDERS | MCV_IN_COMPARE | MCV_IN_TRACE, "32", 1, \
       1000000, "largest number of surfaces on a path") \
-    X(size, resolution, "resolution", 0, "WxH", MCV_IN_RENDERS | MCV_IN_COMPARE, NULL, 1, 65536, \
+    X(size, resolution, "resolution", 0, "WxH", \
+      MCV_IN_RENDERS | MCV_IN_COMPARE | MCV_IN_CAMERA_MODEL, NULL, 1, 65536, \
       "other number of pixels on the same field of view; macro pixels for a light field " \
       "camera") \
     X(choice, schedule, "schedule", 0, "auto|tile|stream", MCV_IN_RENDERS | MCV_IN_COMPARE, \
@@ -196,6 +202,14 @@ enum {
       "the grey values [DN], unscaled: .png, .tif or .npy, with 8 bits for --bits up to 8, " \
       "else 16, and FILE-preview.png to look at; .exr with the whole header of the image and " \
       "the standard uncertainty of each value") \
+    X(text, model, "output", 'o', "FILE|RIG.gltf", MCV_IN_CAMERA_MODEL, NULL, 0, 0, \
+      "the file of the model, by default standard output; COLMAP's folder; with --import the " \
+      "rig, which is made where there is none") \
+    X(choice, format, "format", 0, "json|opencv|ros|halcon|colmap", MCV_IN_CAMERA_MODEL, "json", \
+      0, 0, "the program that reads the model; json: that of the headers of images") \
+    X(text, import, "import", 0, "FILE", MCV_IN_CAMERA_MODEL, NULL, 0, 0, \
+      "add the camera of this file, in any of the formats, with its pose to the rig of " \
+      "--output; --sensor is then the name of the new sensor") \
     X(text, camera, "camera", 0, "FILE", MCV_IN_RENDER, NULL, 0, 0, \
       "also write the grey values of a camera, as `mcvisi camera` does from the image; its " \
       "options apply") \
@@ -314,6 +328,13 @@ enum {
       "other metric with --until at most its own, within --spp and --time; may be repeated") \
     X(choice, in, "in", 0, "image|emd-gradient", MCV_IN_SWEEP, "image", 0, 0, \
       "measure in the image, or in the Earth Mover's gradient of a light field image") \
+    X(text, best, "best", 0, "NAME=largest|smallest", MCV_IN_SWEEP, NULL, 0, 0, \
+      "mark the set in which this metric is largest or smallest, and tell which sets are as " \
+      "good") \
+    X(text, title, "title", 0, "TEXT", MCV_IN_SWEEP, NULL, 0, 0, \
+      "the page's heading; by default Sweep of RIG") \
+    X(text, note, "note", 0, "TEXT", MCV_IN_SWEEP, NULL, 0, 0, \
+      "a sentence below the page's heading: what the sweep is to show") \
     X(text, table, "output", 'o', "F.csv", MCV_IN_SWEEP, NULL, 0, 0, \
       "the table; by default RIG-sweep.csv or EXPERIMENT-sweep.csv. Beside it are written " \
       "F.json, the experiment, and F.html, the page") \
@@ -338,7 +359,9 @@ enum {
     X(size, angular, "angular", 0, "JxK", MCV_IN_LIGHTFIELD, NULL, 1, 256, \
       "pixels of a macro pixel, for images whose header does not state it") \
     X(list, set, "set", 0, "PATH=VALUE", \
-      MCV_IN_RENDERS | MCV_IN_CHECK | MCV_IN_TRACE | MCV_IN_MEASURE | MCV_IN_COMPARE, NULL, 0, 0, \
+      MCV_IN_RENDERS | MCV_IN_CHECK | MCV_IN_TRACE | MCV_IN_MEASURE | MCV_IN_COMPARE | \
+          MCV_IN_CAMERA_MODEL, \
+      NULL, 0, 0, \
       "change the scene, as in --set sensors/cam/fNumber=8 or --set " \
       "emitters/back/halfAngle=0.2deg; may be repeated") \
     X(text, html, "html", 0, "F.html", MCV_IN_CHECK, NULL, 0, 0, \
@@ -348,8 +371,9 @@ enum {
       "print the -D options that specialise the scene's OpenCL programs; without a scene, " \
       "those with all features") \
     X(flag, json, "json", 0, NULL, \
-      MCV_IN_RENDERS | MCV_IN_CHECK | MCV_IN_COMPARE | MCV_IN_CAMERA | MCV_IN_MEASURE | \
-          MCV_IN_LIGHTFIELD | MCV_IN_DEVICES | MCV_IN_HELP, \
+      MCV_IN_RENDERS | MCV_IN_NEW | MCV_IN_CHECK | MCV_IN_COMPARE | MCV_IN_CAMERA | \
+          MCV_IN_CAMERA_MODEL | MCV_IN_MEASURE | MCV_IN_LIGHTFIELD | MCV_IN_IMPORT | \
+          MCV_IN_DEVICES | MCV_IN_HELP, \
       NULL, 0, 0, \
       "print JSON in SI units; render prints one object per sensor, each on one line; help " \
       "prints a schema of the options")

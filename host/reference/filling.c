@@ -11,7 +11,7 @@
 
 enum { PIXELS = 16, PLACES = 16, PLACES_IN_PIXEL = 4, MOST_RAYS = 1 << 18 };
 
-/* Of one emitter: what was looked at, and what of it was lit. */
+/* Of one emitter: how many samples of the pupil see it, and how many of these it lights. */
 typedef struct tally {
     uint64_t seen, lit;
     bool seen_now, lit_now; /* in the pixel at work */
@@ -78,7 +78,7 @@ static void look(const ref_geometry *geometry, ref_sensor_ray sensor_ray, tally 
     tallies[number].lit_now = tallies[number].lit_now || lit;
 }
 
-/* Counts what was looked at since the last time as one. */
+/* Counts the rays since the last call as one sample of the pupil. */
 static void count(tally *tallies, uint32_t emitters) {
     for (uint32_t i = 0; i < emitters; ++i) {
         tallies[i].seen += tallies[i].seen_now;

@@ -4,6 +4,7 @@
 
 #include "reference/solids.h"
 #include "scene/geometry.h"
+#include "scene/materials.h"
 
 #include <float.h>
 #include <stdlib.h>
@@ -162,8 +163,8 @@ bool ref_closest_hit(const ref_geometry *geometry, ref_vec origin, ref_vec direc
 }
 
 static bool is_dielectric(const mcv_scene *scene, const ref_hit *hit) {
-    return scene->materials[scene->instances[hit->triangle->instance].material].type ==
-           MCV_MATERIAL_DIELECTRIC;
+    return mcv_material_has_medium(
+        scene->materials[scene->instances[hit->triangle->instance].material].type);
 }
 
 uint32_t ref_hits_together(const ref_geometry *geometry, ref_vec origin, ref_vec direction,

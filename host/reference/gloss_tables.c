@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "reference/gloss_tables.h"
 
+#include "scene/materials.h"
+
 #include <complex.h>
 #include <stdlib.h>
 
@@ -251,11 +253,10 @@ mcv_result ref_gloss_tables_new(const mcv_scene *scene, ref_gloss_tables *tables
         made = add_table(tables, scene, material, 1);
         for (uint32_t j = 0; j < scene->instance_count && made; ++j) {
             const mcv_material *other = &scene->materials[scene->instances[j].material];
-            if (other->type == MCV_MATERIAL_DIELECTRIC &&
-                other->as.dielectric.ior[MCV_ALBEDO_CHANNEL] !=
+            if (mcv_material_has_medium(other->type) &&
+                other->as.medium.ior[MCV_ALBEDO_CHANNEL] !=
                     from->as.dielectric.ior[MCV_ALBEDO_CHANNEL])
-                made = add_table(tables, scene, material,
-                                 other->as.dielectric.ior[MCV_ALBEDO_CHANNEL]);
+                made = add_table(tables, scene, material, other->as.medium.ior[MCV_ALBEDO_CHANNEL]);
         }
     }
     return made ? MCV_OK

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "reference/media.h"
 
+#include "scene/materials.h"
+
 /* Makes the instance surround the point, or not. False: it was so already, or there is no room for
  * one more. */
 static bool set_inside(ref_media *media, uint32_t instance, bool inside) {
@@ -24,17 +26,13 @@ bool ref_media_cross_all(ref_media *near, ref_media *far, uint32_t count, const 
     return !corrected;
 }
 
-bool ref_media_cross(ref_media *near, ref_media *far, uint32_t instance, bool front) {
-    return ref_media_cross_all(near, far, 1, &instance, &front);
-}
-
-const mcv_dielectric_params *ref_media_filling(const ref_media *media, const mcv_scene *scene) {
-    const mcv_dielectric_params *filling = NULL;
+const mcv_medium_params *ref_media_filling(const ref_media *media, const mcv_scene *scene) {
+    const mcv_medium_params *filling = NULL;
     uint32_t owner = 0;
     for (uint32_t i = 0; i < media->count; ++i) {
         const uint32_t instance = media->instances[i],
                        material = scene->instances[instance].material;
-        const mcv_dielectric_params *candidate = &scene->materials[material].as.dielectric;
+        const mcv_medium_params *candidate = &scene->materials[material].as.medium;
         bool wins = !filling || candidate->priority > filling->priority;
         if (filling && candidate->priority == filling->priority) {
             const uint32_t other = scene->instances[owner].material;
@@ -56,7 +54,7 @@ mcv_result ref_media_at(const ref_geometry *geometry, ref_vec point, int *windin
     for (uint32_t i = 0; i < scene->instance_count; ++i) winding[i] = 0;
     ref_add_windings(geometry, point, anywhere, winding);
     for (uint32_t i = 0; i < scene->instance_count; ++i) {
-        if (scene->materials[scene->instances[i].material].type != MCV_MATERIAL_DIELECTRIC ||
+        if (!mcv_material_has_medium(scene->materials[scene->instances[i].material].type) ||
             winding[i] <= 0)
             continue;
         if (!set_inside(media, i, true))

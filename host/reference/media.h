@@ -22,20 +22,18 @@ mcv_result ref_media_at(const ref_geometry *geometry, ref_vec point, int *windin
                         mcv_error *error);
 
 /*
- * The media on the two sides of an instance's surface, for a path in *near that hits it from its
- * front or back. False: *near contradicts the side (a body that was not entered is left, or one is
- * entered twice). The surface is then right, and *near is corrected.
+ * The media on the two sides of coincident surfaces, which a path in *near crosses together: of
+ * `count` instances, each hit from its front or back. False: *near contradicts a side (a body that
+ * was not entered is left, or one is entered twice). The surface is then right, and *near is
+ * corrected.
  */
-bool ref_media_cross(ref_media *near, ref_media *far, uint32_t instance, bool front);
-
-/* The same for coincident surfaces, which the path crosses together. */
 bool ref_media_cross_all(ref_media *near, ref_media *far, uint32_t count, const uint32_t *instances,
                          const bool *fronts);
 
 /* The material that fills the space, or NULL for vacuum (n = 1, clear). */
-const mcv_dielectric_params *ref_media_filling(const ref_media *media, const mcv_scene *scene);
+const mcv_medium_params *ref_media_filling(const ref_media *media, const mcv_scene *scene);
 
-static inline double ref_media_ior(const mcv_dielectric_params *filling, int channel) {
+static inline double ref_media_ior(const mcv_medium_params *filling, int channel) {
     return filling ? filling->ior[channel] : 1;
 }
 

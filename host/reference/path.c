@@ -30,7 +30,7 @@ const ref_emitter *ref_sampled_emitter(const ref_world *world, uint32_t instance
 
 /* Adds the emission of a surface that the path has hit. */
 static void add_emission(const ref_world *world, const ref_path *p, const ref_surface *surface,
-                         const mcv_dielectric_params *filling, double radiance[3]) {
+                         const mcv_medium_params *filling, double radiance[3]) {
     double emitted[3], weight = 1;
     ref_emitted(world->scene, surface, ref_scale(-1, p->direction), emitted);
     if (ref_largest(emitted) == 0) return;
@@ -58,7 +58,7 @@ void ref_path_value(const ref_world *world, const ref_sensor_ray *sensor_ray, re
                   .direction = sensor_ray->direction,
                   .media = world->media,
                   .throughput = {1, 1, 1}};
-    const mcv_dielectric_params *around = ref_media_filling(&p.media, world->scene);
+    const mcv_medium_params *around = ref_media_filling(&p.media, world->scene);
     value[0] = value[1] = value[2] = 0;
     if (sensor_ray->weight == 0) return; /* the lens stops it */
     ++tally->paths;
@@ -69,7 +69,7 @@ void ref_path_value(const ref_world *world, const ref_sensor_ray *sensor_ray, re
             tally->cut += sensor_ray->weight * ref_largest(p.throughput);
             break;
         }
-        const mcv_dielectric_params *filling = ref_media_filling(&p.media, world->scene);
+        const mcv_medium_params *filling = ref_media_filling(&p.media, world->scene);
         ref_hit hit;
         ++tally->rays;
         if (!ref_next_hit(&world->geometry, p.origin, p.direction, &p.skip, &hit)) {

@@ -28,7 +28,7 @@ static double respond(const ref_scatterer *s, ref_vec direction, double value[3]
         return 0; /* normal and face disagree on its side */
     if (s->gloss.material)
         return ref_gloss_evaluate(&s->gloss, s->o, to_frame(s, direction), value);
-    if (s->evaluate) return s->evaluate(s->material, s->o, to_frame(s, direction), value);
+    if (s->evaluate) return s->evaluate(s, to_frame(s, direction), value);
     for (int channel = 0; channel < 3; ++channel)
         value[channel] = (cosine > 0 ? s->share : s->passed)[channel] * fabs(cosine) / M_PI;
     return (cosine > 0 ? reflects(s) : 1 - reflects(s)) * fabs(cosine) / M_PI;
@@ -37,7 +37,7 @@ static double respond(const ref_scatterer *s, ref_vec direction, double value[3]
 /* A direction with the density that `respond` gives; the zero vector: the path ends. */
 static ref_vec choose(const ref_scatterer *s, ref_random *random) {
     if (s->gloss.material) return from_frame(s, ref_gloss_sample(&s->gloss, s->o, random));
-    if (s->sample) return from_frame(s, s->sample(s->material, s->o, random));
+    if (s->sample) return from_frame(s, s->sample(s, random));
     /* Density cosθ/π: sin²θ is uniform. */
     const double u = ref_random_unit(random), phi = 2 * M_PI * ref_random_unit(random),
                  sine = sqrt(u);
@@ -70,8 +70,7 @@ static void add_direct(const ref_world *world, const ref_path *p, const ref_emit
     const double density = ref_emitter_density(emitter, surface->position, direction, &source);
     if (ref_largest(emitted) == 0 || density == 0) return;
     const bool beyond = ref_dot(direction, s->interaction.face) < 0;
-    const mcv_dielectric_params *filling =
-        ref_media_filling(beyond ? &s->far : s->near, world->scene);
+    const mcv_medium_params *filling = ref_media_filling(beyond ? &s->far : s->near, world->scene);
     const double ior = ref_media_ior(filling, ref_kept_channel(p));
     const double scale = ref_weight_against(density, own) / density / (ior * ior);
     for (int channel = 0; channel < 3; ++channel) {
@@ -97,8 +96,7 @@ static void add_light(const ref_world *world, const ref_path *p, const mcv_emitt
                          hit.distance < light.distance && hit.triangle->instance != light.instance;
     if (blocked) return;
     const bool beyond = ref_dot(light.direction, s->interaction.face) < 0;
-    const mcv_dielectric_params *filling =
-        ref_media_filling(beyond ? &s->far : s->near, world->scene);
+    const mcv_medium_params *filling = ref_media_filling(beyond ? &s->far : s->near, world->scene);
     const double ior = ref_media_ior(filling, ref_kept_channel(p));
     for (int channel = 0; channel < 3; ++channel) {
         const double absorption = filling && filling->absorption[channel] > 0

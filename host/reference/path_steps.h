@@ -34,24 +34,27 @@ static inline double ref_weight_against(double own, double other) {
     return 1 / (1 + ratio * ratio);
 }
 
-/* f cosθ of a material for light that arrives from i; returns the density with which it chooses i
- * [1/sr]. The frame is the surface's, z its normal on the side of o. */
-typedef double ref_evaluate(const mcv_material *material, ref_vec o, ref_vec i, double value[3]);
-typedef ref_vec ref_sample(const mcv_material *material, ref_vec o, ref_random *random);
+typedef struct ref_scatterer ref_scatterer;
+
+/* f cosθ of a surface for light that arrives from i, as a share of L/n²; returns the density with
+ * which the surface chooses i [1/sr]. The frame is the surface's, z its normal on the side of o. */
+typedef double ref_evaluate(const ref_scatterer *s, ref_vec i, double value[3]);
+typedef ref_vec ref_sample(const ref_scatterer *s, ref_random *random);
 
 /* A scattering surface at a hit. */
-typedef struct ref_scatterer {
+struct ref_scatterer {
     const mcv_material *material;
     ref_interaction interaction;
     double share[3];        /* diffuse: its reflectance there … */
     double passed[3];       /* … and its transmittance */
     const ref_media *near;  /* media around light on the path's side … */
     ref_media far;          /* … and on the other */
+    double from, to;        /* of an interface: the indices there, of the channel that goes on */
     ref_evaluate *evaluate; /* what describes the material, or NULL … */
     ref_sample *sample;     /* … and chooses directions by it; NULL: by the cosine */
     ref_gloss gloss;        /* of microfacets, in this frame, seen from o: */
     ref_vec x, y, o;
-} ref_scatterer;
+};
 
 const ref_emitter *ref_sampled_emitter(const ref_world *world, uint32_t instance);
 

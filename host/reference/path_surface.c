@@ -9,8 +9,8 @@
 #include "scene/spectra.h"
 
 /* Where a medium on either side refracts channels differently only one of them goes on. */
-static void keep_channel(ref_path *p, const mcv_dielectric_params *near,
-                         const mcv_dielectric_params *far, ref_random *random) {
+static void keep_channel(ref_path *p, const mcv_medium_params *near, const mcv_medium_params *far,
+                         ref_random *random) {
     const bool parts = (near && !mcv_is_grey(near->ior)) || (far && !mcv_is_grey(far->ior));
     const double all = p->throughput[0] + p->throughput[1] + p->throughput[2];
     if (!parts || ref_largest(p->throughput) == all) return;
@@ -19,48 +19,6 @@ static void keep_channel(ref_path *p, const mcv_dielectric_params *near,
     while (kept < 2 && at >= p->throughput[kept]) at -= p->throughput[kept++];
     for (int channel = 0; channel < 3; ++channel)
         p->throughput[channel] = channel == kept ? all : 0;
-}
-
-static bool meet_dielectric(const ref_world *world, ref_path *p, const ref_surface *surface,
-                            const ref_hits *hits, bool last, ref_random *random, ref_tally *tally,
-                            double radiance[3]) {
-    const ref_interaction interaction = ref_make_interaction(surface, p->direction);
-    ref_media beyond;
-    if (!ref_media_cross_all(&p->media, &beyond, hits->count, hits->instances, hits->fronts))
-        ++tally->unmatched;
-    const mcv_dielectric_params *near = ref_media_filling(&p->media, world->scene),
-                                *far = ref_media_filling(&beyond, world->scene);
-    keep_channel(p, near, far, random);
-    const double from = ref_media_ior(near, ref_kept_channel(p)),
-                 to = ref_media_ior(far, ref_kept_channel(p));
-    const uint32_t number = world->scene->instances[surface->instance].material;
-    const double outside = ref_media_ior(interaction.front ? near : far, MCV_ALBEDO_CHANNEL);
-    const ref_gloss_table *table = ref_gloss_find(&world->gloss, world->scene, number, outside);
-    if (table && from != to) {
-        ref_scatterer s = {.material = &world->scene->materials[number],
-                           .interaction = interaction,
-                           .near = &p->media,
-                           .far = beyond};
-        s.gloss = (ref_gloss){.material = s.material,
-                              .table = table,
-                              .roughness = 1,
-                              .from = from,
-                              .to = to,
-                              .inside = !interaction.front};
-        ref_find_frame(surface, &s);
-        return ref_scatter(world, p, surface, &s, last, random, tally, radiance);
-    }
-    const double coating = from == to ? 0
-                                      : mcv_material_coating(&world->scene->materials[number],
-                                                             interaction.front ? from : to);
-    if (ref_random_unit(random) <
-        ref_coated(ref_reflectance(&interaction, from, to), coating, from, to)) {
-        p->direction = ref_reflect(&interaction);
-    } else {
-        p->direction = ref_refract(&interaction, from, to);
-        p->media = beyond;
-    }
-    return true;
 }
 
 static void meet_mirror(ref_path *p, const ref_surface *surface, const double reflectance[3]) {
@@ -100,7 +58,7 @@ static void modulate(const ref_world *world, const ref_surface *surface, const d
 static void meet_conductor(const ref_world *world, ref_path *p, const ref_surface *surface,
                            const mcv_conductor_params *metal) {
     const ref_interaction interaction = ref_make_interaction(surface, p->direction);
-    const mcv_dielectric_params *filling = ref_media_filling(&p->media, world->scene);
+    const mcv_medium_params *filling = ref_media_filling(&p->media, world->scene);
     const double cosine = fmin(-ref_dot(interaction.direction, interaction.normal), 1);
     for (int channel = 0; channel < 3; ++channel) {
         const double outside = ref_media_ior(filling, channel);
@@ -120,6 +78,51 @@ static ref_scatterer scatterer_at(const ref_world *world, const ref_path *p,
         .far = p->media};
     ref_find_frame(surface, &s);
     return s;
+}
+
+/* A surface between the path's media and those of bodies that the path would enter or leave. */
+static ref_scatterer interface_at(const ref_world *world, ref_path *p, const ref_surface *surface,
+                                  const ref_hits *hits, ref_random *random, ref_tally *tally) {
+    ref_scatterer s = scatterer_at(world, p, surface);
+    if (!ref_media_cross_all(&p->media, &s.far, hits->count, hits->instances, hits->fronts))
+        ++tally->unmatched;
+    const mcv_medium_params *near = ref_media_filling(&p->media, world->scene),
+                            *far = ref_media_filling(&s.far, world->scene);
+    keep_channel(p, near, far, random);
+    s.from = ref_media_ior(near, ref_kept_channel(p));
+    s.to = ref_media_ior(far, ref_kept_channel(p));
+    return s;
+}
+
+/* A rough interface scatters, a smooth one reflects or refracts. */
+static bool meet_dielectric(const ref_world *world, ref_path *p, const ref_surface *surface,
+                            const ref_hits *hits, bool last, ref_random *random, ref_tally *tally,
+                            double radiance[3]) {
+    ref_scatterer s = interface_at(world, p, surface, hits, random, tally);
+    const uint32_t number = world->scene->instances[surface->instance].material;
+    const ref_media *outer = s.interaction.front ? s.near : &s.far;
+    const double outside =
+        ref_media_ior(ref_media_filling(outer, world->scene), MCV_ALBEDO_CHANNEL);
+    const ref_gloss_table *table = ref_gloss_find(&world->gloss, world->scene, number, outside);
+    if (table && s.from != s.to) {
+        s.gloss = (ref_gloss){.material = s.material,
+                              .table = table,
+                              .roughness = 1,
+                              .from = s.from,
+                              .to = s.to,
+                              .inside = !s.interaction.front};
+        return ref_scatter(world, p, surface, &s, last, random, tally, radiance);
+    }
+    const double coating =
+        s.from == s.to ? 0 : mcv_material_coating(s.material, s.interaction.front ? s.from : s.to);
+    if (ref_random_unit(random) <
+        ref_coated(ref_reflectance(&s.interaction, s.from, s.to), coating, s.from, s.to)) {
+        p->direction = ref_reflect(&s.interaction);
+    } else {
+        p->direction = ref_refract(&s.interaction, s.from, s.to);
+        p->media = s.far;
+    }
+    return true;
 }
 
 /* An opaque or thin surface of microfacets. */
@@ -144,13 +147,12 @@ static bool meet_gloss(const ref_world *world, ref_path *p, const ref_surface *s
     return ref_scatter(world, p, surface, &s, last, random, tally, radiance);
 }
 
-static double evaluate_retroreflector(const mcv_material *material, ref_vec o, ref_vec i,
-                                      double value[3]) {
-    return ref_retroreflector_evaluate(&material->as.retroreflector, o, i, value);
+static double evaluate_retroreflector(const ref_scatterer *s, ref_vec i, double value[3]) {
+    return ref_retroreflector_evaluate(&s->material->as.retroreflector, s->o, i, value);
 }
 
-static ref_vec sample_retroreflector(const mcv_material *material, ref_vec o, ref_random *random) {
-    return ref_retroreflector_sample(&material->as.retroreflector, o, random);
+static ref_vec sample_retroreflector(const ref_scatterer *s, ref_random *random) {
+    return ref_retroreflector_sample(&s->material->as.retroreflector, s->o, random);
 }
 
 /* Where light returns exactly, what is scattered diffusely is a surface of its own. */

@@ -121,7 +121,7 @@ static mcv_result trace_ray(const ref_world *world, ref_media media, uint32_t ra
     bool goes_on = true;
     ref_skip skip = {0};
     while (goes_on && vertex.index < world->depth) {
-        const mcv_dielectric_params *filling = ref_media_filling(&media, scene);
+        const mcv_medium_params *filling = ref_media_filling(&media, scene);
         const double squared = vertex.ior * vertex.ior;
         ref_hit hit;
         ++vertex.index;

@@ -101,7 +101,7 @@ static mcv_result render_pilot(mcv_renderer *r, pilot_look *look, bool *stop) {
     uint64_t *splats = malloc(bytes);
     if (!splats) {
         mcv_film_free(&pilot);
-        return mcv_fail(r->error, MCV_FAILED, "no memory for what a pilot's light paths bring");
+        return mcv_fail(r->error, MCV_FAILED, "no memory for the pilot's light paths");
     }
     r->film = &pilot;
     r->round = pilot.sums;

@@ -106,14 +106,14 @@ static mcv_result device_ray(const tracer *t, const mcv_scene *scene, const mcv_
 static mcv_vertex host_vertex(const mcv_packed *packed, const mcv_device_vertex *from, uint32_t ray,
                               uint32_t index) {
     mcv_vertex to = {.ray = ray, .index = index, .triangle = from->triangle, .event = from->event};
-    to.distance = from->distance + (double)from->distance_rest;
+    to.distance = from->distance + (double)from->distance_low;
     if (to.triangle != MCV_NONE &&
         to.triangle >= MCV_EXACT) /* 4 per solid there, 3 here, after the triangles */
         to.triangle =
             packed->triangle_count + 3 * mcv_solid_of(to.triangle) + mcv_piece_of(to.triangle);
     for (int k = 0; k < 3; ++k) {
-        to.position[k] = from->position[k] + (double)from->position_rest[k] + packed->centre[k];
-        to.normal[k] = from->normal[k] + (double)from->normal_rest[k];
+        to.position[k] = from->position[k] + (double)from->position_low[k] + packed->centre[k];
+        to.normal[k] = from->normal[k] + (double)from->normal_low[k];
         to.direction[k] = from->direction[k] + (double)from->direction_low[k];
     }
     to.ior = from->medium > 0

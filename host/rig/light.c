@@ -28,14 +28,24 @@ double mcv_rig_view_side(const mcv_rig_design *r, int axis, double distance) {
 }
 
 /*
+ * The radius, on the square lens, of a parallel panel's cone. From a place on the part it lies
+ * about that place. It stays within the lens wherever the part is: what of it leaves the lens shows
+ * no deflection. Half the lens is the least, so that a deflection may be as large; of a small lens,
+ * so much that light from the field's corner comes to it.
+ */
+static double cone_on_lens(const mcv_rig_design *r) {
+    const double half = 0.5 * lens_diameter(r) / M_SQRT2;
+    return fmax(fmax(0.5 * half, half - 0.5 * fmax(r->across[0], r->across[1])),
+                0.525 * hypot(r->field[0], r->field[1]) - 0.5 * half);
+}
+
+/*
  * A light behind the part. Telecentric: a parallel panel with a cone slightly wider than the
- * camera's. Transparent: a parallel panel whose cone reaches, from the field's corner, half-way to
- * the edge of the lens. It fills most of the J x K directions everywhere, and its edge lies within
- * them, so that a deflection shifts it visibly. Otherwise a diffuse panel that fills the view.
+ * camera's. Transparent: a parallel panel whose cone has its edge within the J x K directions, so
+ * that a deflection shifts it in full. Otherwise a diffuse panel that fills the view.
  */
 static void behind(mcv_rig_design *r, mcv_rig_light *light) {
-    const double degrees = 180 / M_PI,
-                 corner = 0.5 * hypot(r->field[0], r->field[1]) / r->working_distance;
+    const double degrees = 180 / M_PI;
     light->distance = 0.5 * r->depth + 0.5 * r->field[0];
     for (int i = 0; i < 2; ++i)
         light->size[i] = 1.2 * (r->wishes.kind == MCV_RIG_TELECENTRIC
@@ -46,9 +56,7 @@ static void behind(mcv_rig_design *r, mcv_rig_light *light) {
             90, mcv_rig_usual(1.2 * degrees * asin(fmin(1, r->magnification / (2 * r->f_number))),
                               true));
     if (r->wishes.kind == MCV_RIG_TRANSPARENT)
-        light->half_angle =
-            degrees * atan(fmax(1.05 * corner,
-                                0.5 * (corner + 0.5 * lens_diameter(r) / r->working_distance)));
+        light->half_angle = degrees * atan(cone_on_lens(r) / r->working_distance);
 }
 
 /* A flat ring around the view, half-way to the camera. */

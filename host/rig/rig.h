@@ -93,12 +93,10 @@ double mcv_rig_view_side(const mcv_rig_design *rig, int axis, double distance);
 double mcv_rig_usual(double x, bool above);
 
 /*
- * write.c: writes the rig; output NULL: PART-KIND.gltf beside the part. The part must lie in the
- * rig's folder or below it. An existing file with other contents is replaced only with `force`
- * (MCV_USAGE otherwise). `path`, of PATH_MAX bytes, gets the name.
+ * write.c: writes the rig. The part must lie in the rig's folder or below it. An existing file with
+ * other contents is replaced only with `force` (MCV_USAGE otherwise).
  */
-mcv_result mcv_rig_write(const mcv_rig_design *rig, const char *output, bool force, char *path,
-                         mcv_error *error);
+mcv_result mcv_rig_write(const mcv_rig_design *rig, const char *path, bool force, mcv_error *error);
 
 /* write.c: the same as a text in memory, which the caller frees; `uri` is the part's path from the
  * rig's folder. */

@@ -224,18 +224,12 @@ static void print_rig(FILE *out, const mcv_rig_design *r, const char *uri) {
 
 /* --- files --- */
 
-static mcv_result plan_output(const mcv_rig_design *r, const char *output, char *path,
-                              mcv_error *error) {
-    const char *part = r->wishes.part, *dot = strrchr(part, '.');
-    const int stem = (int)(dot ? dot - part : (long)strlen(part));
-    const int length_of = output ? snprintf(path, PATH_MAX, "%s", output)
-                                 : snprintf(path, PATH_MAX, "%.*s-%s.gltf", stem, part,
-                                            mcv_rig_kinds[r->wishes.kind]);
-    if (length_of >= PATH_MAX)
+static mcv_result check_output(const mcv_rig_design *r, const char *path, mcv_error *error) {
+    if (strlen(path) >= PATH_MAX)
         return mcv_fail(error, MCV_USAGE, "the path of the rig is longer than %d bytes", PATH_MAX);
     if (!mcv_ends_in(path, ".gltf"))
         return mcv_fail(error, MCV_USAGE, "%s: the name of a rig must end in .gltf", path);
-    if (mcv_same_file(path, part))
+    if (mcv_same_file(path, r->wishes.part))
         return mcv_fail(error, MCV_USAGE, "%s is the part: give the rig another name", path);
     return mcv_output_check(path, error);
 }
@@ -292,11 +286,10 @@ mcv_result mcv_rig_text(const mcv_rig_design *r, const char *uri, char **text, s
     return MCV_FAILED;
 }
 
-mcv_result mcv_rig_write(const mcv_rig_design *r, const char *output, bool force, char *path,
-                         mcv_error *error) {
+mcv_result mcv_rig_write(const mcv_rig_design *r, const char *path, bool force, mcv_error *error) {
     char uri[PATH_MAX] = "", *text;
     size_t size;
-    MCV_TRY(plan_output(r, output, path, error));
+    MCV_TRY(check_output(r, path, error));
     MCV_TRY(find_uri(path, r->wishes.part, uri, error));
     MCV_TRY(mcv_rig_text(r, uri, &text, &size, error));
     const mcv_result result = replace(path, text, size, force, error);

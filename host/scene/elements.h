@@ -24,6 +24,7 @@ MCV_SENSORS(MCV_X)
 MCV_EMITTERS(MCV_X)
 MCV_PRESETS(MCV_X)
 MCV_MATERIALS(MCV_X)
+MCV_X(medium, , MEDIUM) /* what those of MCV_MEDIUM_MATERIALS begin with */
 #undef MCV_X
 
 /* Sets all parameters of `params` to their defaults (NaN if unset), for elements made by hand;

@@ -16,15 +16,11 @@ double mcv_emitter_half_angle(const mcv_emitter *emitter) {
 }
 
 bool mcv_emitter_is_point_light(uint32_t type) {
-#define MCV_X(name, key, NAME) || type == MCV_EMITTER_##NAME
-    return false MCV_POINT_LIGHTS(MCV_X);
-#undef MCV_X
+    return MCV_IS_EMITTER_OF(MCV_POINT_LIGHTS, type);
 }
 
 bool mcv_emitter_is_surface_light(uint32_t type) {
-#define MCV_X(name, key, NAME) || type == MCV_EMITTER_##NAME
-    return false MCV_SURFACE_LIGHTS(MCV_X);
-#undef MCV_X
+    return MCV_IS_EMITTER_OF(MCV_SURFACE_LIGHTS, type);
 }
 
 bool mcv_emitter_has_surface(uint32_t type) {

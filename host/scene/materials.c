@@ -23,16 +23,12 @@ mcv_roughness mcv_material_roughness(const mcv_material *material) {
     }
 }
 
-bool mcv_material_is_scatterer(uint32_t type) {
-#define MCV_X(name, key, NAME) || type == MCV_MATERIAL_##NAME
-    return false MCV_SCATTERERS(MCV_X);
-#undef MCV_X
-}
+bool mcv_material_is_scatterer(uint32_t type) { return MCV_IS_MATERIAL_OF(MCV_SCATTERERS, type); }
 
-bool mcv_material_is_plate(uint32_t type) {
-#define MCV_X(name, key, NAME) || type == MCV_MATERIAL_##NAME
-    return false MCV_PLATES(MCV_X);
-#undef MCV_X
+bool mcv_material_is_plate(uint32_t type) { return MCV_IS_MATERIAL_OF(MCV_PLATES, type); }
+
+bool mcv_material_has_medium(uint32_t type) {
+    return MCV_IS_MATERIAL_OF(MCV_MEDIUM_MATERIALS, type);
 }
 
 bool mcv_material_is_rough(const mcv_material *material) {

@@ -18,6 +18,7 @@ mcv_roughness mcv_material_roughness(const mcv_material *material);
 bool mcv_material_is_rough(const mcv_material *material); /* it consists of microfacets */
 bool mcv_material_is_scatterer(uint32_t type);            /* one of MCV_SCATTERERS */
 bool mcv_material_is_plate(uint32_t type);                /* one of MCV_PLATES */
+bool mcv_material_has_medium(uint32_t type); /* one of MCV_MEDIUM_MATERIALS: `as.medium` */
 double mcv_material_coating(const mcv_material *material,
                             double outside); /* its R0 against a medium of an index, or 0: none */
 uint32_t mcv_material_surface_texture(

@@ -42,6 +42,7 @@ typedef struct mcv_material {
 #define MCV_X(name, key, NAME) mcv_##name##_params name;
         MCV_MATERIALS(MCV_X)
 #undef MCV_X
+        mcv_medium_params medium; /* of a material that has one (mcv_material_has_medium) */
     } as;
 } mcv_material;
 

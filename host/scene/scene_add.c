@@ -107,10 +107,10 @@ static mcv_result check_shares(const double reflectance[3], const char *key, con
 /* Rules that concern several parameters. */
 static mcv_result check_material(const mcv_material *material, const mcv_json_path *here,
                                  mcv_error *error) {
-    if (material->type == MCV_MATERIAL_DIELECTRIC &&
-        material->as.dielectric.priority != floor(material->as.dielectric.priority))
+    if (mcv_material_has_medium(material->type) &&
+        material->as.medium.priority != floor(material->as.medium.priority))
         return mcv_fail_at(here, error, "priority %g must be an integer",
-                           material->as.dielectric.priority);
+                           material->as.medium.priority);
     if (material->type == MCV_MATERIAL_DIFFUSE)
         return check_shares(material->as.diffuse.reflectance, "transmittance",
                             material->as.diffuse.transmittance, here, error);
@@ -145,7 +145,7 @@ mcv_result mcv_scene_add_material(mcv_scene *scene, const mcv_material *material
     if (metal && isnan(metal->n[0]) != isnan(metal->k[0]))
         return mcv_fail_at(here, error, "n and k must be given together");
     own.by_name = metal && isnan(metal->n[0]);
-    mcv_dielectric_params *glass = own.type == MCV_MATERIAL_DIELECTRIC ? &own.as.dielectric : NULL;
+    const mcv_medium_params *glass = mcv_material_has_medium(own.type) ? &own.as.medium : NULL;
     if (glass && glass->glass > 0) {
         if (!mcv_is_grey(glass->ior) || glass->ior[0] != 1.5) /* 1.5: none is given */
             return mcv_fail_at(here, error, "has both glass and ior: give one of them");

@@ -132,7 +132,7 @@ static mcv_result check_material(const mcv_solid *solid, const mcv_scene *scene,
             place, error,
             "material \"%s\" is anisotropic, but exact surfaces have no tangents: choose another",
             m->name);
-    if (solid->side == MCV_SIDE_OPEN && m->type == MCV_MATERIAL_DIELECTRIC)
+    if (solid->side == MCV_SIDE_OPEN && mcv_material_has_medium(m->type))
         return mcv_fail_at(
             place, error,
             "material \"%s\" fills a body, but an open surface has no inside: use a lens", m->name);
@@ -145,7 +145,7 @@ static bool passes_light(const mcv_material *m) {
     if (m->type == MCV_MATERIAL_METALLIC_ROUGHNESS)
         return m->as.metallic_roughness.transmission > 0 ||
                m->as.metallic_roughness.diffuseTransmission > 0;
-    return m->type == MCV_MATERIAL_DIELECTRIC || mcv_material_is_plate(m->type);
+    return mcv_material_has_medium(m->type) || mcv_material_is_plate(m->type);
 }
 
 /* Light that came out of glass by an edge of something else would not know that it has. */
@@ -153,7 +153,7 @@ static mcv_result check_rim(const mcv_scene *scene, uint32_t material, uint32_t 
                             const mcv_json_path *place, mcv_error *error) {
     const mcv_material *body = scene->materials + material, *edge = scene->materials + rim;
     if (rim == material || !passes_light(edge) ||
-        (body->type != MCV_MATERIAL_DIELECTRIC && edge->type != MCV_MATERIAL_DIELECTRIC))
+        (!mcv_material_has_medium(body->type) && !mcv_material_has_medium(edge->type)))
         return MCV_OK;
     return mcv_fail_at(
         place, error,

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The wavelengths of channels, and what materials are there. */
+#include "scene/materials.h"
 #include "scene/spectra.h"
 
 #include "scene/params.h"
@@ -15,8 +16,8 @@ void mcv_material_settle_spectra(const mcv_scene *scene, mcv_material *material,
     mcv_conductor_params *metal = material->type == MCV_MATERIAL_CONDUCTOR && material->by_name
                                       ? &material->as.conductor
                                       : NULL;
-    mcv_dielectric_params *glass =
-        material->type == MCV_MATERIAL_DIELECTRIC ? &material->as.dielectric : NULL;
+    mcv_medium_params *glass =
+        mcv_material_has_medium(material->type) ? &material->as.medium : NULL;
     for (int k = 0; k < 3; ++k) {
         const double own =
             scene->wavelengths[k] > 0 ? scene->wavelengths[k] : default_wavelengths[k];
@@ -36,8 +37,8 @@ double mcv_scene_wavelength(const mcv_scene *scene, int channel) {
 void mcv_scene_settle_spectra(mcv_scene *scene) {
     bool coloured = scene->wavelengths[0] > 0;
     for (uint32_t i = 0; i < scene->material_count; ++i)
-        if (scene->materials[i].type == MCV_MATERIAL_DIELECTRIC &&
-            scene->materials[i].as.dielectric.abbeNumber > 0)
+        if (mcv_material_has_medium(scene->materials[i].type) &&
+            scene->materials[i].as.medium.abbeNumber > 0)
             coloured = true;
     /* Grey first: if the scene is, it stays so. */
     for (int pass = coloured; pass < 2; ++pass) {

@@ -19,6 +19,11 @@ typedef struct mcv_checked {
 mcv_result mcv_check_pack(const mcv_command *command, const mcv_scene *scene, mcv_checked *checked,
                           mcv_error *error);
 
+/* The -D options that specialise the scene's programs; scene NULL: those with all features. The
+ * caller frees the text, also after failure. */
+mcv_result mcv_check_defines(const mcv_command *command, const mcv_scene *scene, char **text,
+                             mcv_error *error);
+
 /* Tells what was understood of the scene, with the findings; draws the page of --html. */
 mcv_result mcv_check(const mcv_command *command, const mcv_scene *scene, mcv_report *report,
                      mcv_error *error);

@@ -5,6 +5,7 @@
 
 #include "check/growth.h"
 #include "reference/filling.h"
+#include "scene/camera_model.h"
 #include "scene/emitters.h"
 #include "scene/params.h"
 #include "scene/sensor_find.h"
@@ -12,10 +13,12 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
-/* A smaller share of a pupil, or of the directions, is probably a mistake. */
-static const double little = 0.5;
+/* A smaller share of a pupil, or of the directions, is probably a mistake. Of the square of
+ * directions a cone half as wide fills π/16, which shows the largest deflections on both sides. */
+static const double little_of_pupil = 0.5, little_of_directions = 0.19;
 
 /* The share of a sensor's pupil, or of its directions, that each emitter with a cone fills. */
 static mcv_result report_fillings(mcv_report *report, const mcv_scene *scene, uint32_t index,
@@ -32,7 +35,7 @@ static mcv_result report_fillings(mcv_report *report, const mcv_scene *scene, ui
         mcv_report_number(report, directions ? "share_of_directions_lit" : "share_of_pupil_lit", "",
                           fillings[i].share);
         mcv_report_close(report);
-        if (fillings[i].share < little)
+        if (fillings[i].share < (directions ? little_of_directions : little_of_pupil))
             result = mcv_findings_add(
                 findings, MCV_SEVERITY_WARNING, "emitters", emitter->name, NULL, error,
                 "emitter \"%s\" fills %.2g %% of the %s of sensor \"%s\" that looks into it: its "
@@ -62,6 +65,23 @@ static void report_growth(mcv_report *report, const mcv_scene *scene, const mcv_
     mcv_report_close(report);
 }
 
+/* As in headers, without the nodes. */
+static mcv_result report_model(mcv_report *report, const mcv_scene *scene, const mcv_sensor *sensor,
+                               mcv_error *error) {
+    mcv_camera_model model;
+    if (!report->json) return MCV_OK;
+    MCV_TRY(mcv_camera_model_of(scene, sensor, &model, error));
+    char *text = mcv_camera_model_write(&model);
+    json_t *object = text ? json_loads(text, 0, NULL) : NULL;
+    mcv_camera_model_free(&model);
+    free(text);
+    if (!object)
+        return mcv_fail(error, MCV_FAILED, "%s: no memory for the camera model", scene->path);
+    json_object_del(object, "nodes");
+    mcv_report_value(report, "camera_model", object);
+    return MCV_OK;
+}
+
 mcv_result mcv_check_report_sensor(mcv_report *report, const mcv_scene *scene, uint32_t index,
                                    mcv_findings *findings, mcv_error *error) {
     const mcv_sensor *sensor = scene->sensors + index;
@@ -84,6 +104,7 @@ mcv_result mcv_check_report_sensor(mcv_report *report, const mcv_scene *scene, u
     mcv_report_number(report, "numerical_aperture", "", optics.numerical_aperture);
     mcv_report_numbers(report, "macro_pixel_pitch", "m", " x ", optics.macro_pixel, 2);
     mcv_report_close(report);
+    MCV_TRY(report_model(report, scene, sensor, error));
     MCV_TRY(report_fillings(report, scene, index, findings, error));
     report_growth(report, scene, sensor);
     mcv_report_close(report);

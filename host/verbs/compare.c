@@ -2,6 +2,7 @@
 /* Whether two renders of the same picture differ by more than their noise. */
 #include "verbs/compare.h"
 
+#include "io/figure.h"
 #include "verbs/render_picture.h"
 
 #include <math.h>
@@ -140,4 +141,26 @@ void mcv_compare_report(const mcv_compared *a, const mcv_compared *b,
                         const mcv_comparison *comparison, mcv_report *report) {
     warn_of_seeds(a, b, report);
     report_comparison(a, b, mcv_compared_by_ranks(a, b), comparison, report);
+}
+
+/* --- the picture --- */
+
+static const char *file_name(const char *path) {
+    const char *slash = strrchr(path, '/');
+    return slash ? slash + 1 : path;
+}
+
+/* Differences beyond 5 standard errors have the same colour. */
+mcv_result mcv_compare_draw(const char *path, const mcv_compared *a, const mcv_compared *b,
+                            bool different, mcv_error *error) {
+    const mcv_color_scale scale = {.map = MCV_COLORMAP_DIVERGING, .low = -5, .high = 5};
+    mcv_image difference;
+    char title[256];
+    MCV_TRY(mcv_compare_difference(&a->measured, &b->measured, &difference, error));
+    snprintf(title, sizeof title, "%.100s - %.100s: %s", file_name(a->path), file_name(b->path),
+             different ? "different" : "no difference beyond the noise");
+    const mcv_result result =
+        mcv_figure_write(path, &difference, title, "difference in standard errors", &scale, error);
+    mcv_image_free(&difference);
+    return result;
 }

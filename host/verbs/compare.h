@@ -27,6 +27,10 @@ bool mcv_compared_by_ranks(const mcv_compared *a, const mcv_compared *b);
 mcv_result mcv_compare(const mcv_compared *a, const mcv_compared *b, mcv_comparison *comparison,
                        mcv_error *error);
 
+/* Draws A - B in units of its standard error. */
+mcv_result mcv_compare_draw(const char *path, const mcv_compared *a, const mcv_compared *b,
+                            bool different, mcv_error *error);
+
 /* Warns where both have the same noise, and tells of the comparison. */
 void mcv_compare_report(const mcv_compared *a, const mcv_compared *b,
                         const mcv_comparison *comparison, mcv_report *report);

@@ -12,7 +12,7 @@
 mcv_result mcv_import(const mcv_command *command, char **text, mcv_lens_report *lens,
                       mcv_error *error);
 
-/* Tells of the lens, for programs. */
-void mcv_import_report(const mcv_lens_report *lens, mcv_report *report);
+/* Tells of the lens; people read the file that was written first, if there is one. */
+void mcv_import_report(const mcv_lens_report *lens, const char *path, mcv_report *report);
 
 #endif

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "verbs/new.h"
 
+#include "core/basics.h"
 #include "scene/params.h"
 
 #include <math.h>
@@ -65,8 +66,39 @@ void mcv_new_warn(const mcv_rig_design *r, mcv_report *report) {
     mcv_report_tell(report, "warning", text);
 }
 
-void mcv_new_report(const mcv_rig_design *r, mcv_report *report) {
+static void print_light(FILE *out, const mcv_rig_light *light) {
+    fprintf(out, "  light           %s, ", mcv_rig_lights[light->type]);
+    if (light->type == MCV_RIG_LIGHT_BACKLIGHT || light->type == MCV_RIG_LIGHT_COAXIAL)
+        fprintf(out, "%s x %s, ", length(light->size[0]), length(light->size[1]));
+    else
+        fprintf(out, "inner diameter %s, outer diameter %s, ", length(light->inner),
+                length(light->outer));
+    if (light->half_angle > 0) fprintf(out, "half-angle %.4g°, ", light->half_angle);
+    fprintf(out, "%s %s the part's middle\n", length(light->distance),
+            light->type == MCV_RIG_LIGHT_BACKLIGHT ? "behind" : "before");
+}
+
+static void print_choice(FILE *out, const mcv_rig_design *r, const char *path) {
+    mcv_print_plain(out, path ? path : mcv_rig_kinds[r->wishes.kind]);
+    fprintf(out, "\n  part            %s x %s x %s, %u triangles\n", length(r->across[0]),
+            length(r->across[1]), length(r->depth), r->triangles);
+    if (r->wishes.kind == MCV_RIG_TELECENTRIC)
+        fprintf(out,
+                "  lens            telecentric, magnification %.4g, f/%g, working distance %s\n",
+                r->magnification, r->f_number, length(r->working_distance));
+    else
+        fprintf(out, "  lens            %s f/%g (working), focused at %s\n",
+                length(r->focal_length), r->f_number, length(r->working_distance));
+    fprintf(out, "  field of view   %s x %s\n", length(r->field[0]), length(r->field[1]));
+    print_light(out, &r->light);
+}
+
+void mcv_new_report(const mcv_rig_design *r, const char *path, mcv_report *report) {
     const mcv_rig_light *light = &r->light;
+    if (!report->json) {
+        print_choice(report->out, r, path);
+        return;
+    }
     mcv_report_text(report, "kind", mcv_rig_kinds[r->wishes.kind]);
     mcv_report_numbers(report, "size", "m", " x ",
                        (const double[]){r->across[0], r->across[1], r->depth}, 3);

@@ -13,7 +13,7 @@ mcv_result mcv_new_design(const mcv_command *command, mcv_rig_design *rig, mcv_e
 /* Warns where the part does not fit into the view, or its unit is likely another one. */
 void mcv_new_warn(const mcv_rig_design *rig, mcv_report *report);
 
-/* Tells what was chosen, for programs. */
-void mcv_new_report(const mcv_rig_design *rig, mcv_report *report);
+/* Tells what was chosen; people read the file first, or the kind where `path` is NULL. */
+void mcv_new_report(const mcv_rig_design *rig, const char *path, mcv_report *report);
 
 #endif

@@ -96,6 +96,13 @@ static void put(mcv_report *report, const char *key, json_t *value) {
         json_object_set_new(into, key, value);
 }
 
+void mcv_report_value(mcv_report *report, const char *key, json_t *value) {
+    if (report->json)
+        put(report, key, value);
+    else
+        json_decref(value);
+}
+
 static void enter(mcv_report *report, const char *key, json_t *value) {
     if (report->json) put(report, key, value);
     report->open[++report->depth] = value;

@@ -58,6 +58,9 @@ void mcv_report_close(mcv_report *report);
 void mcv_report_text(mcv_report *report, const char *key, const char *text);
 void mcv_report_flag(mcv_report *report, const char *key, bool value);
 
+/* Puts a value into JSON, which owns it; people do not read it. */
+void mcv_report_value(mcv_report *report, const char *key, json_t *value);
+
 /* Puts a number. unit: "m" and "rad" get suitable units for people, "" is none, others follow the
  * number. */
 void mcv_report_number(mcv_report *report, const char *key, const char *unit, double value);

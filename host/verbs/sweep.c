@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "verbs/sweep.h"
 
+#include "analysis/metrics.h"
 #include "reference/reference.h"
 #include "verbs/grey_picture.h"
 #include "verbs/places.h"
@@ -8,6 +9,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 mcv_result mcv_sweep_experiment(const mcv_command *c, mcv_experiment *experiment,
                                 mcv_error *error) {
@@ -23,6 +25,7 @@ mcv_result mcv_sweep_experiment(const mcv_command *c, mcv_experiment *experiment
                                        .seed = (uint32_t)c->design_seed},
                          .measuring = {.metrics = mcv_texts_of(&c->metric),
                                        .until = mcv_texts_of(&c->until),
+                                       .best = c->best,
                                        .places = mcv_places_of(c),
                                        .camera = mcv_camera_settings_of(c),
                                        .channel = c->channel,
@@ -31,6 +34,8 @@ mcv_result mcv_sweep_experiment(const mcv_command *c, mcv_experiment *experiment
                                        .threads = (uint32_t)c->threads},
                          .render_with = mcv_wants_reference(c) ? mcv_reference_render : NULL,
                          .images = c->images,
+                         .title = c->title,
+                         .note = c->note,
                          .resume = c->resume,
                          .force = c->again};
     if (c->resume && c->again)
@@ -41,7 +46,9 @@ mcv_result mcv_sweep_experiment(const mcv_command *c, mcv_experiment *experiment
 json_t *mcv_sweep_settings(const mcv_command *command) {
     static const char *const without[] = {"output",  "images",   "resume", "force", "device",
                                           "threads", "schedule", "json",   NULL};
-    return mcv_command_json(command, without);
+    json_t *settings = mcv_command_json(command, without);
+    if (settings && command->noise_free) json_object_set_new(settings, "noise-free", json_true());
+    return settings;
 }
 
 /* --- what is told --- */
@@ -83,6 +90,14 @@ static json_t *extremes_json(const mcv_sweep *s) {
     return all;
 }
 
+/* In SI units, as the table is. */
+static json_t *describe_metric(const mcv_sweep *s, size_t metric, const double *row) {
+    const double *q = row + mcv_row_metric(&s->table, metric);
+    const char *unit = mcv_metric_unit(s->measurement.metrics[metric].expression);
+    return json_pack("{s:o, s:o, s:s}", "value", number(q[0]), "uncertainty", number(q[1]), "unit",
+                     strcmp(unit, MCV_UNIT_OF_VALUES) == 0 ? s->unit : unit);
+}
+
 mcv_result mcv_sweep_json(const mcv_sweep *s, double spent, char **text, mcv_error *error) {
     const mcv_table *table = &s->table;
     json_t *document = json_object();
@@ -100,6 +115,7 @@ mcv_result mcv_sweep_json(const mcv_sweep *s, double spent, char **text, mcv_err
     json_object_set_new(document, "structures_built", json_integer((json_int_t)s->built));
     json_object_set_new(document, "programs_built", json_integer((json_int_t)s->compiled));
     json_object_set_new(document, "metrics", extremes_json(s));
+    json_object_set_new(document, "fingerprint", json_string(s->fingerprint));
     *text = json_dumps(document, JSON_COMPACT);
     json_decref(document);
     return *text ? MCV_OK : mcv_fail(error, MCV_FAILED, "no memory for the report");
@@ -108,12 +124,8 @@ mcv_result mcv_sweep_json(const mcv_sweep *s, double spent, char **text, mcv_err
 char *mcv_sweep_row_json(const mcv_sweep *s, const double *row, const char *message) {
     const mcv_table *table = &s->table;
     json_t *document = json_object(), *metrics = json_object();
-    for (size_t i = 0; i < s->measurement.count; ++i) {
-        const double *q = row + mcv_row_metric(table, i);
-        json_object_set_new(
-            metrics, s->measurement.metrics[i].name,
-            json_pack("{s:o, s:o}", "value", number(q[0]), "uncertainty", number(q[1])));
-    }
+    for (size_t i = 0; i < s->measurement.count; ++i)
+        json_object_set_new(metrics, s->measurement.metrics[i].name, describe_metric(s, i, row));
     json_object_set_new(document, "set",
                         json_integer((json_int_t)row[mcv_row_fixed(table, MCV_ROW_SET)]));
     json_object_set_new(document, "sets", json_integer((json_int_t)s->plan.wanted));

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What `mcvisi sweep` does, as JSON; and its experiment by the options. */
+/* The experiment of `mcvisi sweep` by its options, and what is told of it. */
 #ifndef MCVISI_HOST_VERBS_SWEEP_H
 #define MCVISI_HOST_VERBS_SWEEP_H
 
@@ -19,5 +19,9 @@ mcv_result mcv_sweep_json(const mcv_sweep *sweep, double spent, char **text, mcv
 
 /* A row as it is appended, as the public header describes it; NULL without memory. */
 char *mcv_sweep_row_json(const mcv_sweep *sweep, const double *row, const char *message);
+
+/* The same for people: where each metric is largest and smallest, and the files; a row, a line. */
+mcv_result mcv_sweep_text(const mcv_sweep *sweep, double spent, char **text, mcv_error *error);
+char *mcv_sweep_row_text(const mcv_sweep *sweep, const double *row, const char *message);
 
 #endif

@@ -67,6 +67,16 @@
     X(sheet, "sheet", SHEET) \
     X(beam_splitter, "beamSplitter", BEAM_SPLITTER)
 
+/*
+ * Materials that fill a body of glass, fluid or gas: their parameters begin with MCV_MEDIUM_PARAMS
+ * (mcvisi/materials/material.h). One whose surface scatters light by a law of its own is in
+ * MCV_SCATTERERS, too.
+ */
+/* clang-format off */
+#define MCV_MEDIUM_MATERIALS(X) \
+    X(dielectric, "dielectric", DIELECTRIC)
+/* clang-format on */
+
 #define MCV_MATERIALS(X) \
     X(diffuse, "diffuse", DIFFUSE) \
     X(dielectric, "dielectric", DIELECTRIC) \
@@ -88,6 +98,12 @@ enum {
     MCV_PRESETS(MCV_PRESET_ENUM) MCV_EMITTER_TYPE_COUNT
 }; /* the numbers of the presets follow */
 enum { MCV_MATERIALS(MCV_MATERIAL_ENUM) MCV_MATERIAL_COUNT };
+
+/* Whether a type is in a list, such as MCV_IS_MATERIAL_OF(MCV_PLATES, type). */
+#define MCV_EMITTER_BIT(name, key, NAME) | 1u << MCV_EMITTER_##NAME
+#define MCV_MATERIAL_BIT(name, key, NAME) | 1u << MCV_MATERIAL_##NAME
+#define MCV_IS_EMITTER_OF(LIST, type) (((0u LIST(MCV_EMITTER_BIT)) >> (type)&1u) != 0u)
+#define MCV_IS_MATERIAL_OF(LIST, type) (((0u LIST(MCV_MATERIAL_BIT)) >> (type)&1u) != 0u)
 
 /* Headers of the elements. The device includes only those that the scene needs. */
 #if !MCV_ON_DEVICE || defined(MCV_SENSOR_pinhole)

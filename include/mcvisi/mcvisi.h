@@ -33,9 +33,12 @@
  *
  * Results. Reports are JSON objects in SI units, the same as the program prints with --json. What
  * the program says beside them, on standard error, is the member "notes": [{"severity", "text"}].
- * With the option {"json": false}, a check, a camera or a measurement gives the text that people
- * read in its place, with such notes as its first lines. Texts that the library makes are freed by
- * mcv_text_free. Where a report is not the only result, its pointer may be NULL.
+ * With the option {"json": false} it is the text that people read in its place, with such notes as
+ * its first lines. Texts that the library makes are freed by mcv_text_free. Where a report is not
+ * the only result, its pointer may be NULL.
+ *
+ * Files. Options that name output files (output, png …) make a call write them, too, with the
+ * program's rules: whole or not at all, and never over an input.
  *
  * Handles. A handle belongs to whoever got it, who frees it once. All functions that free accept
  * NULL. The use of a handle that was freed is undefined, as with free(). Rigs and pictures do not
@@ -109,7 +112,7 @@ MCV_API const char *mcv_version(void);
 MCV_API void mcv_text_free(char *text);
 
 /* The JSON schema (draft 4) of the options of a verb: "render", "new", "check", "trace", "compare",
- * "camera", "measure", "sweep", "lightfield", "import". MCV_USAGE for another name. */
+ * "camera", "camera-model", "measure", "sweep", "lightfield", "import". MCV_USAGE for others. */
 MCV_API mcv_result mcv_options_schema(const char *verb, char **schema, mcv_error *error);
 
 /*
@@ -156,8 +159,8 @@ MCV_API mcv_result mcv_rig_new(const char *kind, const char *part, const char *o
 
 /*
  * A lens file of a design program (.zmx, .seq) as a glTF document with exact surfaces, for scenes
- * to place; options are those of `mcvisi import`, without "output". *report: focal length, back
- * focus, f-number and what the file states of them.
+ * to place; options are those of `mcvisi import`. *report: focal length, back focus, f-number and
+ * what the file states of them.
  */
 MCV_API mcv_result mcv_rig_import(const char *lens, const char *options, mcv_rig **rig,
                                   char **report, mcv_error *error);
@@ -201,7 +204,8 @@ MCV_API void mcv_rig_free(mcv_rig *rig);
 /*
  * What was understood of the scene, and what is likely not meant: the report of `mcvisi check
  * --json`, with "findings": [{"severity", "path", "text"}]. Options are those of `mcvisi check`;
- * with "html" the page of the set-up is written, too. Needs no device.
+ * with "html" the page of the set-up is written, too. Needs no device. With {"defines": true} the
+ * report is the -D options of the scene's OpenCL programs, or of all where `rig` is NULL.
  */
 MCV_API mcv_result mcv_session_check(mcv_session *session, const mcv_rig *rig, const char *options,
                                      char **report, mcv_error *error);
@@ -209,10 +213,12 @@ MCV_API mcv_result mcv_session_check(mcv_session *session, const mcv_rig *rig, c
 /* What a running render tells. `size` is that of the struct; new members are added at the end. */
 typedef struct mcv_progress {
     size_t size;
-    double fraction; /* done, 0 … 1; NaN while the kernels are compiled */
-    double seconds;  /* since the call */
-    double error;    /* relative error so far; infinite while it is not known */
-    void *render;    /* for mcv_progress_picture */
+    double fraction;    /* done, 0 … 1; NaN while the kernels are compiled */
+    double seconds;     /* since the call */
+    double error;       /* relative error so far; infinite while it is not known */
+    void *render;       /* for mcv_progress_picture */
+    const char *sensor; /* what is rendered */
+    bool writing;       /* the samples are done, its files are written next */
 } mcv_progress;
 
 /* Told after every pass of a render; false stops it. It runs in the thread of the render and may
@@ -238,32 +244,60 @@ MCV_API mcv_result mcv_session_render(mcv_session *session, const mcv_rig *rig, 
                                       mcv_progress_call *progress, void *user,
                                       mcv_picture **picture, char **stats, mcv_error *error);
 
+/* Told of work while it goes on: a report, as JSON or as the text for people, or only notes. It is
+ * valid during the call. False stops the work. */
+typedef bool mcv_told_call(void *user, const char *report);
+
+/*
+ * Renders every sensor, or the one of the option "sensor", into files, as `mcvisi render` does:
+ * options are all of it. `told` gets what is odd in the scene as notes, before the first sample;
+ * and of each sensor the summary, once its files are written. Where a callback returns false:
+ * MCV_INTERRUPTED, with the files of the samples so far. Both callbacks may be NULL.
+ */
+MCV_API mcv_result mcv_session_render_files(mcv_session *session, const mcv_rig *rig,
+                                            const char *options, mcv_progress_call *progress,
+                                            mcv_told_call *told, void *user, mcv_error *error);
+
 /*
  * Follows rays through the scene's smooth surfaces. `rays`: six numbers each, origin [m] and
- * direction in the world. Options are those of `mcvisi trace` without files. *csv: the table that
- * the program prints, a row per vertex.
+ * direction in the world; NULL: those of the file of the option "rays". Options are those of
+ * `mcvisi trace`; with "output" the table is written there, too. *csv: the table, a row per vertex;
+ * may be NULL. *report: {"rays": n}, with what is odd in the scene as notes.
  */
 MCV_API mcv_result mcv_session_trace(mcv_session *session, const mcv_rig *rig, const double *rays,
                                      size_t ray_count, const char *options, char **csv,
-                                     mcv_error *error);
-
-/*
- * Told of each set of a sweep as it is measured, as a JSON object {"set": n, "sets": all,
- * "parameters": {name: value}, "metrics": {name: {"value", "uncertainty"}}, "samples", "error",
- * "seconds", "message": why the set failed, or null}; and about ten times a second while a set is
- * rendered with row NULL. False stops the sweep; rows so far stay in the table.
- */
-typedef bool mcv_row_call(void *user, const char *row);
+                                     char **report, mcv_error *error);
 
 /*
  * Renders and measures many sets of parameters: options are those of `mcvisi sweep`. With "output"
  * the table, the experiment and the page are written beside each other; without, only the rows are
- * told. *report: the summary of `mcvisi sweep --json`. MCV_INTERRUPTED where a callback returns
- * false.
+ * told: each set as it is measured, as {"set": n, "sets": all, "parameters": {name: value},
+ * "metrics": {name: {"value", "uncertainty", "unit"}}, "samples", "error", "seconds", "message":
+ * why the set failed, or null}; notes before the first set; and about ten times a second, while a
+ * set is rendered, NULL. *report: the summary of `mcvisi sweep --json`. MCV_INTERRUPTED where told
+ * returns false: rows so far stay in the table. MCV_FAILED, with a report, where all sets failed.
  */
 MCV_API mcv_result mcv_session_sweep(mcv_session *session, const mcv_rig *rig, const char *options,
-                                     mcv_row_call *row, void *user, char **report,
+                                     mcv_told_call *told, void *user, char **report,
                                      mcv_error *error);
+
+/* --- camera models --- */
+
+/*
+ * The camera model of a sensor in a format that other programs read: options are those of `mcvisi
+ * camera-model` without "import". *text: what the file holds; may be NULL with "output".
+ * MCV_BAD_INPUT for a camera that the format cannot hold.
+ */
+MCV_API mcv_result mcv_rig_camera_model(const mcv_rig *rig, const char *options, char **text,
+                                        mcv_error *error);
+
+/*
+ * Adds the camera of such a file, a sensor and its node with the pose. Options are those of `mcvisi
+ * camera-model`, without "output". *report: {"sensor", "model", "size", …}. MCV_BAD_INPUT for
+ * distortion other than 0, which sensors do not have.
+ */
+MCV_API mcv_result mcv_rig_add_camera(mcv_rig *rig, const char *file, const char *options,
+                                      char **report, mcv_error *error);
 
 /* --- pictures --- */
 
@@ -314,8 +348,8 @@ MCV_API void mcv_picture_free(mcv_picture *picture);
 
 /* --- work on pictures --- */
 
-/* The grey values of a camera (EMVA 1288): options are those of `mcvisi camera` without files. The
- * picture is of whole numbers [DN], with the parts "error" and "render error". */
+/* The grey values of a camera (EMVA 1288): options are those of `mcvisi camera`. The picture is of
+ * whole numbers [DN], with the parts "error" and "render error". */
 MCV_API mcv_result mcv_picture_camera(const mcv_picture *picture, const char *options,
                                       mcv_picture **grey, char **report, mcv_error *error);
 
@@ -329,22 +363,25 @@ MCV_API mcv_result mcv_picture_measure(const mcv_picture *picture, const mcv_pic
                                        mcv_error *error);
 
 /*
- * Tells whether two renders of the same picture differ by more than their noise: the report of
- * `mcvisi compare --json`, in which "different" says it. *difference: (a - b) in units of its
- * standard error; may be NULL. Render scenes first, with {"parts": "replicates"} for rank tests.
+ * Tells whether two renders of the same picture differ by more than their noise. *different: it;
+ * *difference: (a - b) in units of its standard error; *report: that of `mcvisi compare --json`;
+ * each may be NULL. Options: "output", a picture of the difference. Render scenes first, with
+ * {"parts": "replicates"} for rank tests.
  */
 MCV_API mcv_result mcv_picture_compare(const mcv_picture *a, const mcv_picture *b,
+                                       const char *options, bool *different,
                                        mcv_picture **difference, char **report, mcv_error *error);
 
-/* The sub-aperture views of a light field image, side by side. Options: {"angular": "9x9"} where
- * the attributes do not tell. */
+/* The sub-aperture views of a light field image, side by side. Options are those of `mcvisi
+ * lightfield views`: {"angular": "9x9"} where the attributes do not tell. */
 MCV_API mcv_result mcv_picture_views(const mcv_picture *picture, const char *options,
-                                     mcv_picture **views, mcv_error *error);
+                                     mcv_picture **views, char **report, mcv_error *error);
 
-/* The Earth Mover's gradient of a light field image. Options: form, angular, threads as for
- * `mcvisi lightfield emd-gradient`. */
+/* The Earth Mover's gradient of a light field image. Options are those of `mcvisi lightfield
+ * emd-gradient`. */
 MCV_API mcv_result mcv_picture_emd_gradient(const mcv_picture *picture, const char *options,
-                                            mcv_picture **gradient, mcv_error *error);
+                                            mcv_picture **gradient, char **report,
+                                            mcv_error *error);
 
 #ifdef __cplusplus
 }

@@ -61,10 +61,10 @@ typedef struct mcv_frame {
     uint log2_pixels;  /* number of bits of a pixel's number (by blocks) */
     float splat_scale; /* splat units per pixel value, a power of two */
     uint solid_count;
-    uint log2_thinning;      /* k: one light path starts for every 2^k-th pixel */
-    float light_density;     /* π times the light paths per sample */
-    float to_world_rest[12]; /* to_world minus its rounding to float */
-    uint listed;             /* 1: the sets belong to the pixels of a list, in its order */
+    uint log2_thinning;     /* k: one light path starts for every 2^k-th pixel */
+    float light_density;    /* π times the light paths per sample */
+    float to_world_low[12]; /* to_world minus its rounding to float */
+    uint listed;            /* 1: the sets belong to the pixels of a list, in its order */
     uint ball_count;
     mcv_ball balls[MCV_MAX_BALLS]; /* around all smooth surfaces */
     uint triangle_count;
@@ -256,7 +256,7 @@ enum {
 };
 
 /*
- * A traced ray with a vertex of its path (host/render/render.h says more). A `rest` is the rounding
+ * A traced ray with a vertex of its path (host/render/render.h says more). A `low` is the rounding
  * error of the float before it; it is 0 without MIXED.
  */
 typedef struct mcv_device_ray {
@@ -275,8 +275,8 @@ typedef struct mcv_device_vertex {
     uint medium;
     float transmittance;
     float radiance;
-    float distance_rest;
-    float position_rest[3], normal_rest[3], direction_low[3];
+    float distance_low;
+    float position_low[3], normal_low[3], direction_low[3];
     uint padding[3];
 } mcv_device_vertex;
 MCV_ASSERT_SIZE(mcv_device_vertex, 112);

@@ -62,11 +62,16 @@ MCV_LOOP_FUNCTION int mcv_is_near_specular(mcv_world world, mcv_interaction inte
 /* Does the surface pass light straight on, but for what it reflects? */
 MCV_LOOP_FUNCTION int mcv_is_plate(mcv_world world, mcv_interaction interaction) {
     const uint type = world.materials[world.instances[interaction.surface.instance].material].type;
-#define MCV_X(name, key, NAME) || type == MCV_MATERIAL_##NAME
-    return 0 MCV_PLATES(MCV_X);
-#undef MCV_X
+    return MCV_IS_MATERIAL_OF(MCV_PLATES, type);
 }
 #endif
+
+/* 1 if the surface of a body says that the path is in other media than it is. */
+MCV_FUNCTION uint mcv_is_unmatched(mcv_world world, const mcv_interaction *interaction, uint medium,
+                                   uint media) {
+    return MCV_WITH_DIELECTRIC && medium != 0 &&
+           mcv_cross_surface(world, interaction, media).before != media;
+}
 
 /*
  * Chooses how the path continues. *other: the other way of a smooth surface that has two and, if
@@ -84,9 +89,7 @@ MCV_FUNCTION mcv_scattering mcv_scatter(mcv_world world, mcv_interaction interac
     (void)pair, (void)choice, (void)splits, (void)unmatched;
 #if MCV_WITH_GLOSS
     if (mcv_is_rough(world, &interaction, media)) {
-        if (MCV_WITH_DIELECTRIC && instance.medium != 0 &&
-            mcv_cross_surface(world, &interaction, media).before != media)
-            *unmatched += 1u;
+        *unmatched += mcv_is_unmatched(world, &interaction, instance.medium, media);
         return mcv_scatter_gloss(world, interaction, instance.material, media, pair, choice, splits,
                                  other);
     }
@@ -103,6 +106,7 @@ MCV_FUNCTION mcv_scattering mcv_scatter(mcv_world world, mcv_interaction interac
 #if MCV_WITH_REFLECTOR
 #define MCV_X(name, key, NAME) \
     case MCV_MATERIAL_##NAME: \
+        *unmatched += mcv_is_unmatched(world, &interaction, instance.medium, media); \
         return mcv_scatter_##name(world, interaction, instance.material, media, pair, choice);
         MCV_SCATTERERS(MCV_X)
 #undef MCV_X

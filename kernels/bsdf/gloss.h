@@ -162,13 +162,7 @@ MCV_LOOP_FUNCTION mcv_scattering mcv_turn_by_gloss(mcv_world world,
                                                    const mcv_device_gloss *from,
                                                    const mcv_gloss_interaction *m,
                                                    mcv_vec3 direction) {
-    const mcv_response response = mcv_respond_gloss_of(world, interaction, from, m, direction);
-    mcv_scattering scattering = mcv_scatter_into(direction, response.media, MCV_EVENT_END);
-    const float scale = 1.0f / response.density;
-    MCV_EACH_CHANNEL(c)
-    scattering.factor.c[c] = response.density > 0.0f ? response.value.c[c] * scale : 0.0f;
-    scattering.density = response.density;
-    return scattering;
+    return mcv_scatter_by(direction, mcv_respond_gloss_of(world, interaction, from, m, direction));
 }
 
 /* The microfacet of rough glass that has turned light one way turns it the other way, too: *other,

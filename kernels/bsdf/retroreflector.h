@@ -84,21 +84,16 @@ MCV_FUNCTION mcv_scattering mcv_scatter_retroreflector(mcv_world world, mcv_inte
     const mcv_vec3 o = mcv_scale(interaction.direction, -1.0f);
     const mcv_retroreflection back = mcv_retroreflection_at(from, interaction.normal, o);
     const int returns = back.chance > 0.0f && choice >= 1.0f - back.chance;
-    mcv_scattering scattering = mcv_scatter_into(o, media, MCV_EVENT_END);
     if (returns && from->as.retroreflector.spread == 0.0f) {
+        mcv_scattering scattering = mcv_scatter_into(o, media, MCV_EVENT_REFLECT);
         MCV_EACH_CHANNEL(i) scattering.factor.c[i] = from->value[i] * back.efficiency / back.chance;
         scattering.chance = back.chance;
-        scattering.event = MCV_EVENT_REFLECT;
         return scattering;
     }
-    scattering.direction =
+    const mcv_vec3 direction =
         mcv_retroreflector_choose(from, interaction.normal, o, pair.x, pair.y, returns);
-    const mcv_response response =
-        mcv_respond_retroreflector(world, interaction, material, media, scattering.direction);
-    scattering.factor =
-        response.density > 0.0f ? mcv_dim(response.value, 1.0f / response.density) : mcv_grey(0.0f);
-    scattering.density = response.density;
-    return scattering;
+    return mcv_scatter_by(
+        direction, mcv_respond_retroreflector(world, interaction, material, media, direction));
 }
 #endif
 

@@ -22,6 +22,11 @@ MCV_FUNCTION mcv_device_interface mcv_plate_interface(mcv_world world, float eta
     return into;
 }
 
+/* xi in [0, 1) chooses reflection with its chance; 1 always passes where that is possible. */
+MCV_FUNCTION int mcv_plate_reflects(float chance, float xi) {
+    return (xi < chance) | !(chance < 1.0f);
+}
+
 static mcv_scattering mcv_scatter_sheet(mcv_world world, mcv_interaction interaction, uint material,
                                         uint media, float xi, mcv_scattering *other) {
     const mcv_sheet sheet = world.materials[material].as.sheet;
@@ -33,7 +38,7 @@ static mcv_scattering mcv_scatter_sheet(mcv_world world, mcv_interaction interac
     reflected.chance = mcv_sheet_reflectance(into, cosine);
     passed.chance = 1.0f - reflected.chance;
     passed.factor = mcv_material_value(world, interaction.surface, material);
-    return mcv_choose_way(reflected, passed, xi < reflected.chance, other);
+    return mcv_choose_way(reflected, passed, mcv_plate_reflects(reflected.chance, xi), other);
 }
 
 static mcv_scattering mcv_scatter_beam_splitter(mcv_world world, mcv_interaction interaction,
@@ -45,10 +50,11 @@ static mcv_scattering mcv_scatter_beam_splitter(mcv_world world, mcv_interaction
     reflected.chance = m->chance;
     passed.chance = 1.0f - m->chance;
     MCV_EACH_CHANNEL(i) {
-        reflected.factor.c[i] = m->value[i] / reflected.chance;
-        passed.factor.c[i] = m->passed[i] / passed.chance;
+        /* A way without a chance carries no light. */
+        reflected.factor.c[i] = reflected.chance > 0.0f ? m->value[i] / reflected.chance : 0.0f;
+        passed.factor.c[i] = passed.chance > 0.0f ? m->passed[i] / passed.chance : 0.0f;
     }
-    return mcv_choose_way(reflected, passed, xi < reflected.chance, other);
+    return mcv_choose_way(reflected, passed, mcv_plate_reflects(m->chance, xi), other);
 }
 #endif
 

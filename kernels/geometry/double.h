@@ -59,12 +59,12 @@ MCV_LOOP_FUNCTION mcv_dvec mcv_normalize_d(mcv_dvec v) {
     return mcv_scale_d(v, squared > 0.0 ? 1.0 / sqrt(squared) : 1.0);
 }
 
-/* From the floats and their rests, and the rest of a float that stands for a double, perhaps of
+/* A double from its float and the low word; and the low word of a double beside a float, perhaps of
  * another place. */
 MCV_LOOP_FUNCTION mcv_dvec mcv_whole(mcv_vec3 v, mcv_vec3 low) {
     return mcv_add_d(mcv_widen(v), mcv_widen(low));
 }
-MCV_LOOP_FUNCTION mcv_vec3 mcv_rest(mcv_dvec whole, mcv_vec3 v) {
+MCV_LOOP_FUNCTION mcv_vec3 mcv_low_of(mcv_dvec whole, mcv_vec3 v) {
     return mcv_narrow(mcv_sub_d(whole, mcv_widen(v)));
 }
 #endif

@@ -23,7 +23,7 @@ typedef struct mcv_onward {
 } mcv_onward;
 
 MCV_FUNCTION mcv_vec3 mcv_onward_low(const mcv_onward *onward, mcv_dvec whole, mcv_vec3 v) {
-    return onward->precise ? mcv_rest(whole, v) : mcv_vec(0.0f, 0.0f, 0.0f);
+    return onward->precise ? mcv_low_of(whole, v) : mcv_vec(0.0f, 0.0f, 0.0f);
 }
 
 MCV_FUNCTION mcv_precise_ray mcv_precise_ray_of(mcv_vec3 origin, mcv_vec3 origin_low,
@@ -61,11 +61,8 @@ static mcv_dvec mcv_turn_precisely(mcv_world world, const mcv_interaction *inter
         const uint material = world.instances[interaction->surface.instance].material,
                    type = world.materials[material].type;
         if (type == MCV_MATERIAL_RETROREFLECTOR) return mcv_scale_d(d, -1.0);
-            /* Another law of its own: only floats know it. */
-#define MCV_X(name, key, NAME) \
-    if (type == MCV_MATERIAL_##NAME) return mcv_dvec_of(0.0, 0.0, 0.0);
-        MCV_SCATTERERS(MCV_X)
-#undef MCV_X
+        /* Another law of its own: only floats know it. */
+        if (MCV_IS_MATERIAL_OF(MCV_SCATTERERS, type)) return mcv_dvec_of(0.0, 0.0, 0.0);
         turned = mcv_reflect_d(d, met->normal);
         if (!(mcv_dot_d(turned, met->face) > 0.0)) turned = mcv_reflect_d(d, met->face);
     }

@@ -133,7 +133,7 @@ MCV_FUNCTION mcv_precise_interaction mcv_intersect_solid_precisely(mcv_world wor
     return met;
 }
 
-/* t: of the ray in floats, whose origin is `rest` before the precise one. */
+/* t: of the ray in floats, whose origin is `low` before the precise one. */
 static mcv_precise_interaction mcv_intersect_precisely(mcv_world world,
                                                        const mcv_interaction *interaction,
                                                        mcv_precise_ray ray, mcv_vec3 low, float t) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Emitters that a receiver looks for in a direction of theirs, without a point on a surface. Each
- * is one function of the same parameters and one line of MCV_DIRECTION_SAMPLERS.
+ * Emitters that next-event estimation samples in a direction of theirs, without a point on a
+ * surface. Each is one function of the same parameters and one line of MCV_DIRECTION_SAMPLERS.
  */
 #ifndef MCVISI_KERNELS_DIRECTION_H
 #define MCVISI_KERNELS_DIRECTION_H
@@ -118,8 +118,8 @@ MCV_FUNCTION mcv_shadow mcv_sample_environment(mcv_world world, mcv_receiver at,
     MCV_WHERE(MCV_WITH_ENVIRONMENT_IMAGE, \
               MCV_WHERE(MCV_WITH_TEXTURE, X(MCV_EMITTER_ENVIRONMENT, mcv_sample_environment)))
 
-/* Whether a receiver looks for an emitter in a direction, not at a point: parallel emitters have
- * points, too. */
+/* Whether an emitter is sampled in a direction, not at a point: parallel emitters have points, too.
+ */
 MCV_LOOP_FUNCTION int mcv_samples_direction(__global const mcv_device_emitter *e,
                                             mcv_vec3 receiver) {
     int direction = 0;

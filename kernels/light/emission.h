@@ -5,6 +5,7 @@
 #define MCVISI_KERNELS_EMISSION_H
 
 #include "geometry/surface.h"
+#include "light/discrete.h"
 
 #if MCV_WITH_LIGHT_FIELD && MCV_WITH_TEXTURE
 /* The image's value for a place on a light field emitter and a direction. */
@@ -40,11 +41,10 @@ MCV_FUNCTION mcv_color mcv_projector_value(mcv_world world, mcv_surface surface,
     (MCV_WITH_PARALLEL || MCV_WITH_LIGHT_FIELD || MCV_WITH_PROJECTOR || MCV_WITH_AREA)
 
 #if MCV_WITH_EMISSION
-/* Radiance of a place where the emitter shines into a direction. */
+/* The radiance of a point in the directions into which the emitter emits in full. */
 MCV_LOOP_FUNCTION mcv_color mcv_full_radiance(mcv_world world, mcv_surface surface, uint emitter) {
     __global const mcv_device_emitter *e = world.emitters + emitter;
-    mcv_color radiance;
-    MCV_EACH_CHANNEL(i) radiance.c[i] = e->radiance[i];
+    mcv_color radiance = mcv_color_at(e->radiance);
     (void)surface;
 #if MCV_WITH_TEXTURE
     if (e->texture != MCV_NONE)
@@ -77,18 +77,14 @@ MCV_LOOP_FUNCTION mcv_color mcv_emitted(mcv_world world, mcv_surface surface, ui
     __global const mcv_device_emitter *e = world.emitters + emitter;
     if (!(mcv_dot(direction, surface.face) > 0.0f)) return mcv_grey(0.0f);
 #if MCV_WITH_LIGHT_FIELD && MCV_WITH_TEXTURE
-    if (e->type == MCV_EMITTER_LIGHT_FIELD_EMITTER) {
-        mcv_color radiance = mcv_light_field_value(world, surface, e, direction);
-        MCV_EACH_CHANNEL(i) radiance.c[i] *= e->radiance[i];
-        return radiance;
-    }
+    if (e->type == MCV_EMITTER_LIGHT_FIELD_EMITTER)
+        return mcv_tint(mcv_light_field_value(world, surface, e, direction),
+                        mcv_color_at(e->radiance));
 #endif
 #if MCV_WITH_PROJECTOR && MCV_WITH_TEXTURE
-    if (e->type == MCV_EMITTER_PROJECTOR) {
-        mcv_color radiance = mcv_projector_value(world, surface, e, direction);
-        MCV_EACH_CHANNEL(i) radiance.c[i] *= e->radiance[i];
-        return radiance;
-    }
+    if (e->type == MCV_EMITTER_PROJECTOR)
+        return mcv_tint(mcv_projector_value(world, surface, e, direction),
+                        mcv_color_at(e->radiance));
 #endif
     return mcv_dim(mcv_full_radiance(world, surface, emitter),
                    mcv_radiance_share(e, surface.face, surface.normal, direction));
@@ -104,7 +100,7 @@ MCV_LOOP_FUNCTION mcv_color mcv_emitted(mcv_world world, mcv_surface surface, ui
  * matter.
  */
 MCV_LOOP_FUNCTION int mcv_samples_cone(__global const mcv_device_emitter *e, mcv_vec3 receiver) {
-    const mcv_vec3 way = mcv_sub(mcv_vec(e->middle[0], e->middle[1], e->middle[2]), receiver);
+    const mcv_vec3 way = mcv_sub(mcv_vec_at(e->middle), receiver);
     const int wide = e->area > e->parallel.solid_angle * mcv_dot(way, way);
     return (e->type == MCV_EMITTER_PARALLEL) & (e->parallel.from_receiver != 0u) & wide;
 }
@@ -113,9 +109,8 @@ MCV_LOOP_FUNCTION int mcv_samples_cone(__global const mcv_device_emitter *e, mcv
 /* Of the choices on an emitter those of a triangle. */
 MCV_LOOP_FUNCTION float mcv_triangle_share(mcv_world world, __global const mcv_device_emitter *e,
                                            uint triangle) {
-    __global const uint *cdf =
-        world.emitter_cdf + e->cdf + (triangle - world.instances[e->instance].first_triangle);
-    return (float)(cdf[1] - cdf[0]) * 4.656612873077393e-10f; /* 2^-31 */
+    return mcv_cdf_share(world.emitter_cdf + e->cdf,
+                         triangle - world.instances[e->instance].first_triangle);
 }
 
 /* The density [1/sr] of directions to a place on an emitter at the given distance, chosen uniform
@@ -131,8 +126,7 @@ MCV_LOOP_FUNCTION float mcv_area_density(__global const mcv_device_emitter *e, f
 
 MCV_LOOP_FUNCTION mcv_rectangle_view mcv_view_emitter(__global const mcv_device_emitter *e,
                                                       mcv_vec3 receiver) {
-    return mcv_view_rectangle(&e->rectangle, mcv_vec(e->facing[0], e->facing[1], e->facing[2]),
-                              receiver);
+    return mcv_view_rectangle(&e->rectangle, mcv_vec_at(e->facing), receiver);
 }
 #else
 #define mcv_is_rectangle(e) 0

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Emitters that a receiver looks for at a point of their surface: uniform by area, or uniform in
- * solid angle on a rectangle that looks large from there.
+ * Emitters that next-event estimation samples at a point of their surface: uniform by area, or
+ * uniform in solid angle on a rectangle that subtends a large angle.
  */
 #ifndef MCVISI_KERNELS_EMITTER_POINT_H
 #define MCVISI_KERNELS_EMITTER_POINT_H

@@ -24,10 +24,8 @@ MCV_FUNCTION mcv_sky_pixel mcv_sky_pixel_at(__global const mcv_device_emitter *e
 MCV_FUNCTION mcv_color mcv_environment_radiance(mcv_world world,
                                                 __global const mcv_device_emitter *e,
                                                 mcv_sky_pixel pixel) {
-    mcv_color radiance =
-        mcv_texel(world, world.textures[e->texture], (int)pixel.column, (int)pixel.row);
-    MCV_EACH_CHANNEL(i) radiance.c[i] *= e->radiance[i];
-    return radiance;
+    return mcv_tint(mcv_texel(world, world.textures[e->texture], (int)pixel.column, (int)pixel.row),
+                    mcv_color_at(e->radiance));
 }
 
 /* The cumulative shares of a row's pixels; those of the rows come first. */
@@ -48,9 +46,8 @@ MCV_FUNCTION float mcv_environment_density(mcv_world world, __global const mcv_d
 #endif
 
 /*
- * The environment's light along a ray that met nothing, L/n², weighed against next-event
- * estimation, which looks for its image, by the power heuristic; `density` is that of the ray's
- * choice, 0 for smooth surfaces.
+ * The environment's light along a ray that met nothing, L/n². The power heuristic weights its image
+ * against next-event estimation. `density` is that of the ray's choice, 0 for smooth surfaces.
  */
 MCV_FUNCTION mcv_color mcv_environment_seen(mcv_world world, mcv_vec3 direction, uint media,
                                             float density) {
@@ -68,11 +65,8 @@ MCV_FUNCTION mcv_color mcv_environment_seen(mcv_world world, mcv_vec3 direction,
             mcv_dim(light, mcv_power_heuristic(density, mcv_environment_density(world, e, pixel)));
 #endif
 #endif
-#if MCV_WITH_DIELECTRIC
-    light = mcv_dim(light, world.media[mcv_filling_medium(media)].inverse_index_squared);
-#endif
-    (void)world, (void)direction, (void)media, (void)density;
-    return light;
+    (void)direction, (void)density;
+    return mcv_basic_radiance(world, light, media);
 }
 
 #endif

@@ -48,9 +48,9 @@ typedef struct mcv_light_path {
 } mcv_light_path;
 
 enum {
-    MCV_LIGHT_CARRIED = 1, /* has met a smooth or sharp surface, */
+    MCV_LIGHT_CARRIED = 1, /* has met a smooth or near-specular surface, */
     MCV_LIGHT_OPEN = 2,    /* and no other one yet */
-    MCV_LIGHT_SPREAD = 4,  /* has met a surface that spreads light */
+    MCV_LIGHT_SPREAD = 4,  /* has met a scattering surface */
     MCV_LIGHT_FOUND = 8    /* camera paths find it, too */
 };
 
@@ -58,7 +58,7 @@ enum {
 MCV_LOOP_FUNCTION mcv_light_path mcv_make_light_path(mcv_world world, uint emitter) {
     __global const mcv_device_emitter *e = world.emitters + emitter;
     mcv_light_path path;
-    MCV_EACH_CHANNEL(i) path.flux.c[i] = e->radiance[i] * e->light_flux;
+    path.flux = mcv_dim(mcv_color_at(e->radiance), e->light_flux);
     path.throughput = mcv_grey(1.0f);
     path.origin_surface = MCV_NONE;
     path.media = e->media;

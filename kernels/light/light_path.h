@@ -7,7 +7,7 @@
 #include "light/emission.h"
 
 #if MCV_WITH_EMISSION
-/* What an emitter's surface shines into, or more. */
+/* The cone into which an emitter's surface emits, or a larger one. */
 MCV_LOOP_FUNCTION mcv_cone mcv_own_cone(__global const mcv_device_emitter *e, mcv_vec3 normal) {
     mcv_cone own;
     own.axis = normal;
@@ -42,13 +42,13 @@ MCV_FUNCTION float mcv_light_etendue(mcv_world world, mcv_surface surface, uint 
 #endif
 
 /*
- * What light paths bring of the light that camera paths find by chance, too: the balance heuristic.
- * Light paths start with the density 1/etendue. Camera paths that choose their directions by cosθ/π
- * are uniform in étendue, 1/(π footprint) of a pixel's at the first diffuse surface; between
- * diffuse ones both go on alike, and through smooth ones étendue stays, as it about does through
- * sharp ones, which spread light alike both ways. Both compute this from the depth of that surface,
- * so that nothing is lost or counted twice where materials or the surface's slope make it less than
- * the best.
+ * The share of light paths in light that camera paths find by chance, too: the balance heuristic.
+ * Light paths start with the density 1/etendue. Camera paths that choose directions by cosθ/π have
+ * the uniform density 1/(π footprint) in étendue, of a pixel's footprint at the first diffuse
+ * surface. Between diffuse surfaces both continue alike. Smooth surfaces keep étendue, and
+ * near-specular ones about do: they scatter alike in both directions. Both kinds of paths compute
+ * the share from the depth of that surface. So nothing is lost or counted twice where materials or
+ * the surface's slope make the share less than the best.
  */
 MCV_FUNCTION float mcv_light_share(mcv_world world, float etendue, float footprint) {
     return 1.0f / (1.0f + etendue / (world.frame->light_density * footprint));

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Choosing an emitter by what it may bring to a receiver: its power, thinned out by its distance,
- * and nothing from behind the receiver, of what shines the other way, and out of narrow cones and
+ * and nothing from behind the receiver, of what emits the other way, and out of narrow cones and
  * beams. What is left out by rounding, a receiver in the plane of an emitter or on the rim of a
  * cone, would have brought as good as nothing.
  *
@@ -21,7 +21,7 @@ MCV_LOOP_FUNCTION float mcv_stretch(__global const mcv_device_emitter *e, mcv_ve
     return squared > 0.0f ? e->radius * mcv_sqrt(squared) : 0.0f;
 }
 
-/* `sides` of the receiver that spread light: one, which all of the normals show, or both. */
+/* `sides` of the receiver that scatter light: one, which all of the normals show, or both. */
 MCV_LOOP_FUNCTION int mcv_emitter_reaches(__global const mcv_device_emitter *e, mcv_vec3 receiver,
                                           mcv_vec3 face, mcv_vec3 normal, uint sides) {
     const mcv_vec3 way = mcv_sub(mcv_vec(e->middle[0], e->middle[1], e->middle[2]), receiver);

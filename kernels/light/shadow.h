@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What a receiver asks an emitter for, and what it gets: a shadow ray and its light. */
+/* A receiver, which samples an emitter, and the result: a shadow ray and its light. */
 #ifndef MCVISI_KERNELS_SHADOW_H
 #define MCVISI_KERNELS_SHADOW_H
 
@@ -7,7 +7,7 @@
 #include "path/sampler.h"
 #include "world.h"
 
-/* Where an emitter is looked for from. */
+/* The point that samples an emitter. */
 typedef struct mcv_receiver {
     mcv_vec3 point, error, face;
 } mcv_receiver;
@@ -19,8 +19,6 @@ typedef struct mcv_shadow {
     float density; /* of the choice [1/sr]; 0: the only direction there is, and light is irradiance
                       over the chance of the choice */
 } mcv_shadow;
-
-MCV_LOOP_FUNCTION mcv_vec3 mcv_vec_at(__global const float *v) { return mcv_vec(v[0], v[1], v[2]); }
 
 /* A shadow ray from the receiver, without light. */
 MCV_LOOP_FUNCTION mcv_shadow mcv_shadow_along(mcv_receiver at, mcv_vec3 direction, uint target,

@@ -18,13 +18,17 @@
 #define MCV_TILE 0
 #endif
 
-/* Whether the origins of rays that go on are worked out for many paths at once, after all else. */
+/* Whether the origins of the rays that go on are worked out for many paths at once, after all else.
+ */
 #define MCV_OFFSETS_TOGETHER (MCV_TILE && !MCV_WITH_MIXED)
 
 /* A sample's path splits at the first surfaces of glass, sheets and beam splitters that it meets,
  * so that it has at most so many branches: a power of two. */
 #define MCV_SPLIT_BRANCHES 4
 #define MCV_BRANCHES (MCV_WITH_SPLIT ? MCV_SPLIT_BRANCHES : 1)
+
+/* Whether a surface may scatter light into other media than those of the ray that meets it. */
+#define MCV_CROSSES (MCV_WITH_DIELECTRIC && (MCV_WITH_GLOSS || MCV_WITH_REFLECTOR))
 
 /*
  * X(field, words): what a scene does not need has no words. It has a place all the same: what reads
@@ -53,47 +57,42 @@
     X(value, MCV_TILE)        /* of the path in its slice */ \
     X(density, MCV_WITH_NEXT_EVENT) /* with which the last surface chose the direction [1/sr]; 0: \
                                        it is smooth */ \
-    X(selection, \
-      2 * MCV_WITH_NEXT_EVENT * MCV_WITH_REACH) /* emitters' chances at the last surface that \
-                                                   spread light (kernels/light/selection.h) */ \
-    X(path_class, MCV_WITH_LIGHT_TRACING)       /* MCV_PATH_CLASS_… */ \
+    X(selection, 2 * MCV_WITH_NEXT_EVENT * MCV_WITH_REACH) /* emitters' chances where light was \
+                                                 last scattered (kernels/light/selection.h) */ \
+    X(path_class, MCV_WITH_LIGHT_TRACING)                  /* MCV_PATH_CLASS_… */ \
     X(footprint, MCV_WITH_LIGHT_TRACING) /* of the pixel at the first diffuse surface [m²] */
 
 #define MCV_HIT_FIELDS(X) \
     X(hit, 4)                              /* t, u, v, triangle */ \
     X(drawn, 6 * MCV_TILE)                 /* the surface's pairs of random numbers */ \
     X(reflectance, MCV_CHANNELS *MCV_TILE) /* of a diffuse surface; base colour of a glossy one */ \
-    X(polish, 2 * MCV_TILE * MCV_WITH_GLOSS * MCV_WITH_TEXTURE) /* as in mcv_polish */ \
-    X(bounce, 4 * MCV_TILE) /* the direction in which the surface reflects if it is diffuse, and \
-                               its density */ \
+    X(polish, 2 * MCV_TILE * MCV_WITH_GLOSS * MCV_WITH_TEXTURE) /* roughness, metallic share */ \
+    X(bounce, 4 * MCV_TILE) /* a diffuse reflection's direction and density */ \
     X(point, 3 * MCV_TILE)  /* of the surface, as in mcv_surface */ \
     X(error, 3 * MCV_TILE) \
     X(area, MCV_TILE) \
     X(instance, MCV_TILE) \
-    X(own_normal, \
-      3 * MCV_TILE * MCV_WITH_NORMALS) /* the surface's; the face's where meshes have no others */ \
-    X(inside, MCV_TILE)                /* and how the ray sees it, as in mcv_interaction */ \
+    X(own_normal, 3 * MCV_TILE * MCV_WITH_NORMALS) /* interpolated; the face's without normals */ \
+    X(inside, MCV_TILE) /* and how the ray sees it, as in mcv_interaction */ \
     X(face, 3 * MCV_TILE) \
     X(normal, 3 * MCV_TILE) \
-    X(contact, 3 * MCV_TILE * MCV_WITH_CONTACT) /* exited, entered, touched; and more of them */ \
+    X(contact, 3 * MCV_TILE * MCV_WITH_CONTACT) /* mcv_interaction: exited, entered, touched */ \
     X(beyond_point, 3 * MCV_TILE * MCV_WITH_CONTACT) \
     X(beyond_error, 3 * MCV_TILE * MCV_WITH_CONTACT) \
     X(touched_face, 3 * MCV_TILE * MCV_WITH_CONTACT) \
     X(gloss_known, MCV_TILE *MCV_WITH_GLOSS)
 
 #define MCV_CAMERA_HIT_FIELDS(X) \
-    X(branch_state, (5 + MCV_CHANNELS) * MCV_TILE * \
-                        MCV_WITH_SPLIT) /* direction, media, density and throughput of a branch */ \
-    X(emitter, MCV_TILE *MCV_WITH_NEXT_EVENT) /* that the path looks for, or MCV_NONE */ \
-    X(place, 4 * MCV_TILE * MCV_WITH_NEXT_EVENT * \
-                 MCV_WITH_TEXTURE) /* a point on it: triangle, u, v, density of its choice */ \
-    X(selection_here, 2 * MCV_WITH_NEXT_EVENT * MCV_WITH_REACH) /* at this surface */ \
-    X(shadow_origin, 3 * MCV_WITH_NEXT_EVENT)                   /* ray to the emitter */ \
+    X(branch_state, (5 + MCV_CHANNELS) * MCV_TILE * MCV_WITH_SPLIT) /* of a branch: direction, \
+                                                         media, density, throughput */ \
+    X(emitter, MCV_TILE *MCV_WITH_NEXT_EVENT) /* that the path samples, or MCV_NONE */ \
+    X(place, 4 * MCV_TILE * MCV_WITH_NEXT_EVENT * MCV_WITH_TEXTURE) /* triangle, u, v, density */ \
+    X(selection_here, 2 * MCV_WITH_NEXT_EVENT * MCV_WITH_REACH)     /* at this surface */ \
+    X(shadow_origin, 3 * MCV_WITH_NEXT_EVENT)                       /* ray to the emitter */ \
     X(shadow_direction, 3 * MCV_WITH_NEXT_EVENT) \
     X(shadow_origin_surface, MCV_WITH_NEXT_EVENT *MCV_WITH_SURFACES) \
-    X(shadow_density, MCV_TILE *MCV_WITH_NEXT_EVENT) /* as in mcv_shadow */ \
-    X(shadow_media, MCV_WITH_NEXT_EVENT *MCV_WITH_GLOSS \
-                        *MCV_WITH_DIELECTRIC)          /* that it leaves the surface in */ \
+    X(shadow_density, MCV_TILE *MCV_WITH_NEXT_EVENT)   /* as in mcv_shadow */ \
+    X(shadow_media, MCV_WITH_NEXT_EVENT *MCV_CROSSES)  /* that it leaves the surface in */ \
     X(shadow_light, MCV_WITH_NEXT_EVENT *MCV_CHANNELS) /* what it brings; 0: no ray */ \
     X(shadow_target, MCV_WITH_NEXT_EVENT) /* instance that must be met first; MCV_NONE: nothing \
                                              before t = 1; MCV_SKY: nothing at all */
@@ -111,7 +110,8 @@
     X(light_class, MCV_LIGHT_ROWS)              /* MCV_LIGHT_… */ \
     X(light_length, MCV_LIGHT_ROWS)             /* so far [m] */
 
-/* Whether light paths lie in rows: not where beams come to the lens themselves or colours part. */
+/* Whether light paths lie in rows. Where beams come to the lens by themselves or colours part, they
+ * are traced one by one. */
 #define MCV_LIGHT_ROWS \
     (MCV_OFFSETS_TOGETHER && MCV_WITH_LIGHT_TRACING && MCV_WITH_NEXT_EVENT && !MCV_WITH_BEAM && \
      !MCV_WITH_DISPERSION)
@@ -128,9 +128,9 @@ enum {
     MCV_PATH_CLASS_STRAIGHT, /* nothing but what passes light straight on */
     MCV_PATH_CLASS_OTHER,    /* first of all another smooth surface, or a glossy one */
     MCV_PATH_CLASS_DIFFUSE,  /* first a diffuse surface; the last one, too */
-    MCV_PATH_CLASS_GLOSSY, /* first a diffuse surface; the last one that spreads light is glossy */
-    MCV_PATH_CLASS_CARRIED /* first a diffuse surface; then, too, but for smooth and sharp ones
-                              since */
+    MCV_PATH_CLASS_GLOSSY,   /* first a diffuse surface; the last scattering one is glossy */
+    MCV_PATH_CLASS_CARRIED   /* first a diffuse surface; then, too, but for smooth and near-specular
+                                ones   since */
 };
 
 #if MCV_ON_DEVICE

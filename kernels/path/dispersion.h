@@ -41,7 +41,7 @@ MCV_FUNCTION mcv_world mcv_in_channel(mcv_world world, uint channel) {
  * light meets it. `stream` and `sample` are the path's, of either kind. */
 MCV_FUNCTION mcv_world mcv_disperse_at(mcv_world world, uint instance, uint stream, uint sample,
                                        mcv_color carried, mcv_color *throughput) {
-    if (world.materials[world.instances[instance].material].type == MCV_MATERIAL_DIELECTRIC) {
+    if (world.instances[instance].medium != 0u) {
         float chance;
         const uint channel = mcv_choose_channel(
             carried, mcv_sample_pair(stream, sample, MCV_PAIR_CHANNEL).x, &chance);

@@ -8,10 +8,10 @@
 #include "world.h"
 
 /*
- * Surfaces that a path meets before roulette may end it, and what it carries if it need not survive
- * that: a smaller weight would cost time, a larger one makes noise. Where surfaces look for all
- * light, what is left after the first ones is little beside that, and its rays cost most in meshes;
- * light that is only met by chance, from all sides or through glass, needs the paths.
+ * The number of surfaces before Russian roulette may end a path, and the throughput below which it
+ * does. A smaller threshold costs time, a larger one makes noise. Where next-event estimation
+ * samples all emitters, the later vertices contribute little and their rays cost most in meshes.
+ * Light that is met by chance, from an environment or through glass, needs them.
  */
 #if MCV_WITH_EARLY_ROULETTE
 #define MCV_ROULETTE_DEPTH 2u

@@ -48,7 +48,7 @@ MCV_LOOP_FUNCTION mcv_ray mcv_place_sensor_ray(__constant const mcv_frame *frame
 #if MCV_WITH_MIXED
 /* The same in double. */
 MCV_LOOP_FUNCTION mcv_dvec mcv_frame_row(__constant const mcv_frame *frame, int row) {
-    __constant const float *m = frame->to_world + 3 * row, *low = frame->to_world_rest + 3 * row;
+    __constant const float *m = frame->to_world + 3 * row, *low = frame->to_world_low + 3 * row;
     return mcv_whole(mcv_vec(m[0], m[1], m[2]), mcv_vec(low[0], low[1], low[2]));
 }
 

@@ -41,7 +41,7 @@ MCV_BATCH void mcv_classify_light_hits(mcv_world world, mcv_slot slot, uint coun
     mcv_find_interactions(world, slot.base, class_end, *gloss);
 }
 
-/* Adds to the film what the paths send to the lens from surfaces that spread light. */
+/* Connects the paths on scattering surfaces to the lens, and adds that to the film. */
 MCV_BATCH void mcv_splat_light_paths(mcv_world world, mcv_slot slot, uint first, uint last,
                                      uint depth, __global uint *splats,
                                      uint counts[MCV_COUNTER_COUNT]) {

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * The tile schedule's loops of next-event estimation, up to what the surfaces make of the light.
- * Paths that look for the same emitter are worked out together: what is known of it is read once.
+ * Paths that sample the same emitter are worked out together: what is known of it is read once.
  */
 #ifndef MCVISI_KERNELS_SAMPLE_EMITTER_ROWS_H
 #define MCVISI_KERNELS_SAMPLE_EMITTER_ROWS_H
@@ -16,7 +16,7 @@
 #include "stage/sample_emitters.h"
 
 #if MCV_WITH_NEXT_EVENT
-/* Of so many emitters each has some four paths of a slice that look for it; of more, too few to be
+/* Of so many emitters each has some four paths of a slice that sample it; of more, too few to be
  * worked out together. */
 #define MCV_MOST_SORTED (MCV_SLICE / 4u)
 
@@ -49,7 +49,7 @@ MCV_LOOP_FUNCTION void mcv_sample_direction_row(mcv_world world, mcv_slot slot, 
     }
 }
 
-/* The chosen paths look for an emitter in a direction. */
+/* The chosen paths sample an emitter in a direction. */
 MCV_BATCH void mcv_sample_directions(mcv_world world, mcv_slot slot, uint emitter,
                                      const uint *chosen, uint count) {
     const uint type = world.emitters[emitter].type;
@@ -119,7 +119,7 @@ MCV_BATCH void mcv_light_points(mcv_world world, mcv_slot slot, uint emitter, co
 }
 #endif
 
-/* The chosen paths look for an emitter at points of its surface. */
+/* The chosen paths sample an emitter at points of its surface. */
 MCV_BATCH void mcv_sample_points(mcv_world world, mcv_slot slot, uint emitter, const uint *chosen,
                                  uint count) {
     __global const mcv_device_emitter *e = world.emitters + emitter;
@@ -139,7 +139,7 @@ MCV_BATCH void mcv_sample_points(mcv_world world, mcv_slot slot, uint emitter, c
 }
 #endif
 
-/* The chosen paths look for one emitter, in a direction or at points of its surface. */
+/* The chosen paths sample one emitter, in a direction or at points of its surface. */
 MCV_BATCH void mcv_sample_emitter_row(mcv_world world, mcv_slot slot, uint emitter,
                                       const uint *chosen, uint count) {
     __global const mcv_device_emitter *e = world.emitters + emitter;
@@ -159,7 +159,7 @@ MCV_BATCH void mcv_sample_emitter_row(mcv_world world, mcv_slot slot, uint emitt
 #endif
 }
 
-/* Lists the paths in the slots first … last - 1 that look for an emitter; returns how many. */
+/* Lists the paths in the slots first … last - 1 that sample an emitter; returns how many. */
 MCV_BATCH uint mcv_list_sampling(const uint *emitters, uint first, uint last, uint emitter,
                                  uint *listed) {
     uint looks[MCV_ROW];
@@ -172,7 +172,7 @@ MCV_BATCH uint mcv_list_sampling(const uint *emitters, uint first, uint last, ui
 }
 
 /* The same for many emitters at once: sorts the paths in the slots first … last - 1 by the emitter
- * that they look for, in ascending order: those of emitter k begin at begins[k]. */
+ * that they sample, in ascending order: those of emitter k begin at begins[k]. */
 MCV_BATCH void mcv_sort_by_emitter(const uint *emitters, uint first, uint last, uint count,
                                    uint *begins, uint *sorted) {
     uint next[MCV_MOST_SORTED];

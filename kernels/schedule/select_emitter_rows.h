@@ -30,7 +30,7 @@ MCV_BATCH void mcv_search_cdf_rows(__global const uint *cdf, uint count, mcv_slo
 #if MCV_WITH_PLAIN
 #if MCV_WITH_REACH
 /* mcv_select_emitter for the paths in the slots first … last - 1; both sides of the surfaces of
- * those from two_sided to two_sided_end spread light. */
+ * those from two_sided to two_sided_end scatter light. */
 MCV_BATCH void mcv_select_emitter_rows(mcv_world world, mcv_slot slot, uint first, uint last,
                                        uint two_sided, uint two_sided_end) {
     const uint count = min(world.frame->emitter_count, (uint)MCV_MOST_REACHING);

@@ -32,11 +32,11 @@ static uint mcv_trace_path(mcv_world world, mcv_slot slot, mcv_device_ray ray, u
     uint origin_surface = MCV_NONE;
     uint unmatched = 0;
     const mcv_vec3 nothing = mcv_vec(0.0f, 0.0f, 0.0f);
-    mcv_vec3 point_rest = nothing, normal_rest = nothing, direction_low = nothing;
-    float distance_rest = 0.0f;
+    mcv_vec3 point_low = nothing, normal_low = nothing, direction_low = nothing;
+    float distance_low = 0.0f;
 #if MCV_WITH_MIXED
     mcv_vec3 origin_low = mcv_vec(ray.origin_low[0], ray.origin_low[1], ray.origin_low[2]);
-    point_rest = origin_low;
+    point_low = origin_low;
     direction_low = mcv_vec(ray.direction_low[0], ray.direction_low[1], ray.direction_low[2]);
 #endif
     float distance = 0.0f;
@@ -54,9 +54,9 @@ static uint mcv_trace_path(mcv_world world, mcv_slot slot, mcv_device_ray ray, u
         vertex->medium = MCV_WITH_DIELECTRIC ? mcv_filling_medium(on.media) : 0u;
         vertex->transmittance = transmittance;
         vertex->radiance = radiance;
-        vertex->distance_rest = distance_rest;
-        mcv_write_vector(vertex->position_rest, point_rest);
-        mcv_write_vector(vertex->normal_rest, normal_rest);
+        vertex->distance_low = distance_low;
+        mcv_write_vector(vertex->position_low, point_low);
+        mcv_write_vector(vertex->normal_low, normal_low);
         mcv_write_vector(vertex->direction_low, direction_low);
         if (on.event == MCV_EVENT_END || on.event == MCV_EVENT_MISS || count + 1 == stride)
             return count + 1;
@@ -76,8 +76,8 @@ static uint mcv_trace_path(mcv_world world, mcv_slot slot, mcv_device_ray ray, u
         const mcv_precise_ray precise =
             mcv_precise_ray_of(origin, origin_low, direction, direction_low);
 #endif
-        distance_rest = 0.0f;
-        normal_rest = direction_low = nothing;
+        distance_low = 0.0f;
+        normal_low = direction_low = nothing;
         if (triangle == MCV_NONE) {
             normal = nothing;
             on.direction = normal;
@@ -104,16 +104,16 @@ static uint mcv_trace_path(mcv_world world, mcv_slot slot, mcv_device_ray ray, u
         on = mcv_scatter(world, interaction, before, always_refract, 1.0f, 0, &unmatched, &other);
         point = interaction.surface.point;
         normal = interaction.normal;
-        point_rest = nothing;
+        point_low = nothing;
 #if MCV_WITH_MIXED
         const mcv_precise_interaction met =
             mcv_intersect_precisely(world, &interaction, precise, origin_low, distance);
         const mcv_onward onward =
             mcv_go_on_precisely(world, &interaction, &met, precise.direction, before, &on);
         if (met.found) {
-            point_rest = mcv_rest(met.point, point);
-            normal_rest = mcv_rest(met.normal, normal);
-            distance_rest = (float)(met.distance - (double)distance);
+            point_low = mcv_low_of(met.point, point);
+            normal_low = mcv_low_of(met.normal, normal);
+            distance_low = (float)(met.distance - (double)distance);
         }
         direction_low = mcv_onward_low(&onward, onward.ray.direction, on.direction);
 #endif

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Stage: what a light path brings to the sensor from a surface that spreads light, at a place on
- * the lens, straight or through plates.
+ * Stage: connects a light path at a scattering surface to a point of the lens, straight or through
+ * plates.
  *
  * reads ray, hit -> writes connection
  */
@@ -17,13 +17,12 @@
 
 #if MCV_WITH_LIGHT_TRACING
 /*
- * The flux that goes on from a surface about another normal than its triangle's, over what is
- * carried. Radiance on camera paths and flux on light paths are transported alike where a surface
- * spreads light about its triangle's normal n_g; about another one n_s, flux has the factor
- * |i·n_s||o·n_g|/(|i·n_g||o·n_s|) for going from i to o (Veach 1997, 5.3), without which facets
- * would show. Smooth and sharp surfaces hand on all flux, as the smooth body would that the mesh
- * stands for: there the factor is 1 on the average over a facet, but for the square of its angle,
- * and without bound where light grazes it.
+ * The flux that leaves a surface about a normal n_s other than its triangle's n_g, over what the
+ * path carries. About n_g, radiance on camera paths and flux on light paths are transported alike.
+ * About n_s, flux from i to o has the factor |i·n_s||o·n_g|/(|i·n_g||o·n_s|) (Veach 1997, 5.3);
+ * without it facets would show. Smooth and near-specular surfaces pass on all flux, as the curved
+ * body does that the mesh stands for. There the factor is 1 on average over a facet, up to the
+ * square of its angle, and has no bound at grazing incidence.
  */
 MCV_LOOP_FUNCTION float mcv_flux_correction(mcv_interaction interaction, mcv_vec3 out) {
 #if MCV_WITH_NORMALS
@@ -38,8 +37,8 @@ MCV_LOOP_FUNCTION float mcv_flux_correction(mcv_interaction interaction, mcv_vec
 #endif
 }
 
-/* What the `range` of a point or spot light leaves, by the way to the first surface that spreads
- * light. */
+/* What the `range` of a point or spot light leaves, by the distance to the first scattering
+ * surface. */
 MCV_LOOP_FUNCTION float mcv_within_range(__global const mcv_device_emitter *e, float length) {
 #if MCV_WITH_PUNCTUAL
     if (e->type == MCV_EMITTER_POINT)
@@ -49,23 +48,23 @@ MCV_LOOP_FUNCTION float mcv_within_range(__global const mcv_device_emitter *e, f
     return 1.0f;
 }
 
-/* Is what comes to the surface left to camera paths? */
+/* Do camera paths alone bring the light of this surface? */
 MCV_LOOP_FUNCTION int mcv_is_left_to_camera(mcv_world world, mcv_interaction interaction,
                                             uint path_class) {
     return ((path_class & MCV_LIGHT_FOUND) != 0u) & !mcv_is_connectable(world, interaction);
 }
 
 #if MCV_WITH_NEXT_EVENT
-/* What a surface may send to a place on the lens. */
+/* A connection to a point of the lens. */
 typedef struct mcv_connection {
     mcv_vec3 origin, end;
     uint origin_surface; /* on which it starts (mcv_mark_origin_surface), */
     uint media;          /* and what the light is in */
     mcv_film_point place;
-    mcv_color value; /* that it brings there, if nothing is between */
+    mcv_color value; /* what it contributes, if nothing blocks it */
 } mcv_connection;
 
-/* What arrives at a surface that spreads light, sent to a place on the lens. 0: nothing is. */
+/* Connects what arrives at a scattering surface to a point of the lens. 0: it does not reach it. */
 MCV_FUNCTION int mcv_connect_light_path(mcv_world world, mcv_interaction interaction,
                                         mcv_light_path path, mcv_pair pair,
                                         mcv_connection *connection) {
@@ -103,8 +102,8 @@ MCV_FUNCTION int mcv_connect_light_path(mcv_world world, mcv_interaction interac
     return mcv_brightest(response.value) > 0.0f;
 }
 
-/* What is left of a connection's light by the plates between, at most so many; 0 where anything
- * else is between. */
+/* The transmittance of a connection through at most so many plates; 0 where anything else blocks
+ * it. */
 MCV_FUNCTION mcv_color mcv_connection_transmittance(mcv_world world, mcv_connection connection,
                                                     uint plates, uint counts[MCV_COUNTER_COUNT]) {
     mcv_color transmittance = mcv_grey(1.0f);

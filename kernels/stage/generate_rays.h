@@ -48,8 +48,8 @@ MCV_LOOP_FUNCTION int mcv_generate_ray(mcv_world world, mcv_slot slot, mcv_ident
     const mcv_vec3 direction = mcv_narrow(precise.direction);
     MCV_STORE_3(slot, origin, origin);
     MCV_STORE_3(slot, direction, direction);
-    MCV_STORE_3(slot, origin_low, mcv_rest(precise.origin, origin));
-    MCV_STORE_3(slot, direction_low, mcv_rest(precise.direction, direction));
+    MCV_STORE_3(slot, origin_low, mcv_low_of(precise.origin, origin));
+    MCV_STORE_3(slot, direction_low, mcv_low_of(precise.direction, direction));
 #else
     const mcv_ray ray = mcv_place_sensor_ray(world.frame, sensor_ray);
     MCV_STORE_3(slot, origin, ray.origin);

@@ -50,8 +50,7 @@ static mcv_aimed mcv_follow(mcv_world world, mcv_film_sample film, float p_x, fl
             if (interaction.inside || e->type != MCV_EMITTER_PARALLEL || !e->parallel.from_receiver)
                 return aimed;
             mcv_vec3 x, y;
-            mcv_basis(mcv_vec(e->parallel.axis[0], e->parallel.axis[1], e->parallel.axis[2]), &x,
-                      &y);
+            mcv_basis(mcv_vec_at(e->parallel.axis), &x, &y);
             aimed.q_x = mcv_dot(direction, x);
             aimed.q_y = mcv_dot(direction, y);
             aimed.emitter = emitter;

@@ -25,8 +25,7 @@ MCV_LOOP_FUNCTION void mcv_add_shadow_light(mcv_world world, mcv_slot slot, mcv_
 #endif
     if (MCV_WITH_ABSORPTION) {
         const mcv_vec3 direction = MCV_LOAD_3(slot, shadow_direction);
-        const uint media =
-            MCV_WITH_GLOSS ? MCV_WORD(slot, shadow_media, 0) : MCV_WORD(slot, media, 0);
+        const uint media = MCV_CROSSES ? MCV_WORD(slot, shadow_media, 0) : MCV_WORD(slot, media, 0);
         const float way = hit.t * mcv_sqrt(mcv_dot(direction, direction));
         light = mcv_tint(light, mcv_medium_transmittance(world, lit ? media : 0u, way));
     }

@@ -24,37 +24,32 @@ MCV_FUNCTION float mcv_camera_share(mcv_world world, mcv_slot slot, mcv_interact
     return 1.0f;
 }
 
-/* The path goes on from a point of a surface that spreads light, widely, sharply or neither, or
- * just lets it pass. Twice at one surface is as once, but for the passing: a branch in rows is a
- * copy of its path after that has gone on, and lets nothing just pass. */
-MCV_LOOP_FUNCTION void mcv_update_path_class_at(mcv_world world, mcv_slot slot, mcv_vec3 point,
-                                                int scatters, int connectable, int near_specular,
-                                                int passes) {
+/*
+ * The path continues from a surface. To update twice at one surface is to update once, but for a
+ * plate: a branch in rows is a copy of its path after the update, and never lies on a plate.
+ */
+MCV_LOOP_FUNCTION void mcv_update_path_class(mcv_world world, mcv_slot slot,
+                                             const mcv_interaction *interaction,
+                                             mcv_shading shading, mcv_scattering on) {
     const uint before = MCV_WORD(slot, path_class, 0);
+    const int scatters = on.density > 0.0f,
+              near_specular = mcv_is_near_specular(world, *interaction),
+              passes = shading.kind == MCV_SHADING_ANY && on.event == MCV_EVENT_PASS &&
+                       mcv_is_plate(world, *interaction);
     const int straight = before == MCV_PATH_CLASS_STRAIGHT,
               carries = (before == MCV_PATH_CLASS_DIFFUSE) | (before == MCV_PATH_CLASS_CARRIED);
-    const float footprint =
-        mcv_sensor_footprint(world.sensor, mcv_point_to_optical(world.frame, point).z);
-    const uint spread = connectable ? MCV_PATH_CLASS_DIFFUSE
-                        : straight  ? MCV_PATH_CLASS_OTHER
-                                    : MCV_PATH_CLASS_GLOSSY;
+    const float footprint = mcv_sensor_footprint(
+        world.sensor, mcv_point_to_optical(world.frame, interaction->surface.point).z);
+    const uint scattered = mcv_is_connectable(world, *interaction) ? MCV_PATH_CLASS_DIFFUSE
+                           : straight                              ? MCV_PATH_CLASS_OTHER
+                                                                   : MCV_PATH_CLASS_GLOSSY;
     const uint smooth = carries                ? MCV_PATH_CLASS_CARRIED
                         : (straight & !passes) ? MCV_PATH_CLASS_OTHER
                                                : before;
     MCV_STORE(slot, footprint, 0, straight ? footprint : MCV_LOAD(slot, footprint, 0));
     MCV_WORD(slot, path_class, 0) = before == MCV_PATH_CLASS_OTHER            ? before
-                                    : (scatters & !(carries & near_specular)) ? spread
+                                    : (scatters & !(carries & near_specular)) ? scattered
                                                                               : smooth;
-}
-
-MCV_LOOP_FUNCTION void mcv_update_path_class(mcv_world world, mcv_slot slot,
-                                             const mcv_interaction *interaction,
-                                             mcv_shading shading, mcv_scattering on) {
-    const int passes = shading.kind == MCV_SHADING_ANY && on.event == MCV_EVENT_PASS &&
-                       mcv_is_plate(world, *interaction);
-    mcv_update_path_class_at(world, slot, interaction->surface.point, on.density > 0.0f,
-                             mcv_is_connectable(world, *interaction),
-                             mcv_is_near_specular(world, *interaction), passes);
 }
 #endif
 

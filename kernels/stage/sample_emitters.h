@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Stage: next-event estimation. A surface that spreads light chooses an emitter by power and reach,
- * then a direction to it: uniform in the cone of a parallel emitter that is smaller than the
- * emitter seen from there (which must then be the closest hit), else towards a point uniform in
- * solid angle on a rectangle that looks large from there, elsewhere by area; of an environment's
- * image a pixel by what it brings. Weighed against the surface's own choice of directions by the
- * power heuristic. Beams and lights without extent, which a direction of the surface's own cannot
- * meet, come in full.
+ * Stage: next-event estimation. A scattering surface chooses an emitter by power and reach, then a
+ * direction to it:
+ * - uniform in the cone of a parallel emitter, if that is smaller than the emitter as seen from
+ *   there; the emitter must then be the closest hit;
+ * - towards a point uniform in solid angle on a rectangle that subtends a large angle;
+ * - towards a point uniform by area on other emitters;
+ * - into a pixel of an environment's image, chosen by its contribution.
+ * The power heuristic weights this against the surface's own choice of directions. Beams and lights
+ * without extent have full weight: no direction of the surface's own meets them.
  *
  * reads ray, hit -> writes shadow ray
  */
@@ -92,8 +94,8 @@ MCV_FUNCTION uint mcv_pick_emitter(mcv_world world, mcv_slot slot, uint depth) {
     return emitter;
 }
 
-/* Sharp surfaces do not look for emitters whose light the path shares with light paths, but leave
- * that to chance. */
+/* Near-specular surfaces do not sample emitters whose light the path shares with light paths: the
+ * path meets these by chance. */
 MCV_LOOP_FUNCTION int mcv_leaves_to_light_paths(mcv_world world, mcv_slot slot, uint emitter,
                                                 int near_specular) {
     if (!MCV_WITH_LIGHT_TRACING) return 0;
@@ -103,7 +105,7 @@ MCV_LOOP_FUNCTION int mcv_leaves_to_light_paths(mcv_world world, mcv_slot slot, 
            (world.emitters[emitter].light_flux > 0.0f);
 }
 
-/* The emitter that the path looks for from where it is, or MCV_NONE. */
+/* The emitter that the path samples, or MCV_NONE. */
 MCV_FUNCTION uint mcv_choose_emitter(mcv_world world, mcv_slot slot, uint depth) {
     const uint emitter = mcv_pick_emitter(world, slot, depth);
     if (emitter == MCV_NONE) return MCV_NONE;
@@ -189,7 +191,7 @@ MCV_LOOP_FUNCTION int mcv_make_shadow_ray(mcv_world world, mcv_slot slot,
         mcv_dim(light, shadow.density > 0.0f ? mcv_power_heuristic(shadow.density, response.density)
                                              : 1.0f);
     light = mcv_basic_radiance(world, light, response.media);
-    if (MCV_WITH_DIELECTRIC && MCV_WITH_GLOSS) MCV_WORD(slot, shadow_media, 0) = response.media;
+    if (MCV_CROSSES) MCV_WORD(slot, shadow_media, 0) = response.media;
     if (MCV_WITH_SURFACES)
         MCV_WORD(slot, shadow_origin_surface, 0) =
             shading.exact ? mcv_origin_surface_of(world, *interaction, shadow.direction) : MCV_NONE;

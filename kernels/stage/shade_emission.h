@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Adds the light that a path finds by itself: of the surface of an emitter, or of the environment.
- */
+/* Adds the light that a path meets by itself: of an emitter's surface, or of the environment. */
 #ifndef MCVISI_KERNELS_SHADE_EMISSION_H
 #define MCVISI_KERNELS_SHADE_EMISSION_H
 
@@ -25,6 +24,13 @@ MCV_LOOP_FUNCTION float mcv_density_against(mcv_world world, mcv_slot slot, uint
     return density > 0.0f ? against : density;
 }
 
+/* Adds light that arrives along the path, L/n². */
+MCV_LOOP_FUNCTION void mcv_add_radiance(mcv_slot slot, mcv_color light) {
+    const mcv_color throughput = mcv_path_throughput(slot);
+    MCV_EACH_CHANNEL(i)
+    MCV_STORE(slot, radiance, i, mcv_fma(throughput.c[i], light.c[i], MCV_LOAD(slot, radiance, i)));
+}
+
 #if MCV_WITH_EMISSION
 /* What a path has met of an emitter's surface. */
 typedef struct mcv_emitter_hit {
@@ -38,24 +44,19 @@ typedef struct mcv_emitter_hit {
 /* Adds what the path has met, weighed against next-event estimation by the power heuristic. */
 MCV_LOOP_FUNCTION void mcv_add_emission(mcv_world world, mcv_slot slot,
                                         const mcv_emitter_hit *met) {
-    const mcv_color throughput = mcv_path_throughput(slot);
-    mcv_color radiance;
-    MCV_LOAD_COLOR(slot, radiance, radiance);
     mcv_color emitted = mcv_basic_radiance(world, met->radiance, mcv_path_media(slot));
     if (MCV_WITH_NEXT_EVENT) {
-        /* Sharp surfaces have not looked for it (mcv_choose_emitter). */
+        /* Near-specular surfaces have not sampled it (mcv_leaves_to_light_paths). */
         const int carried =
             MCV_WITH_LIGHT_TRACING && (MCV_WORD(slot, path_class, 0) == MCV_PATH_CLASS_CARRIED) &
                                           (world.emitters[met->emitter].light_flux > 0.0f);
         const float density =
                         mcv_density_against(world, slot, met->emitter, mcv_path_density(slot)),
                     own = carried ? 0.0f : density, weight = mcv_power_heuristic(own, met->other);
-        const int chosen = own > 0.0f, shines = mcv_brightest(emitted) > 0.0f;
-        emitted = mcv_dim(emitted, (chosen & shines) ? weight : 1.0f);
+        const int chosen = own > 0.0f, emits = mcv_brightest(emitted) > 0.0f;
+        emitted = mcv_dim(emitted, (chosen & emits) ? weight : 1.0f);
     }
-    emitted = mcv_dim(emitted, met->share);
-    MCV_EACH_CHANNEL(i) radiance.c[i] = mcv_fma(throughput.c[i], emitted.c[i], radiance.c[i]);
-    MCV_STORE_COLOR(slot, radiance, radiance);
+    mcv_add_radiance(slot, mcv_dim(emitted, met->share));
 }
 
 /* Adds what a surface emits that the path has met. */
@@ -86,16 +87,11 @@ static void mcv_shade_emitter_hit(mcv_world world, mcv_slot slot, mcv_interactio
 MCV_LOOP_FUNCTION void mcv_shade_miss(mcv_world world, mcv_slot slot) {
     if (!(MCV_WITH_ENVIRONMENT || MCV_WITH_ENVIRONMENT_IMAGE)) return;
     float density = mcv_path_density(slot);
-    mcv_color radiance;
     world = mcv_disperse(world, slot);
-    const mcv_color throughput = mcv_path_throughput(slot);
-    MCV_LOAD_COLOR(slot, radiance, radiance);
     if (MCV_WITH_ENVIRONMENT_IMAGE)
         density = mcv_density_against(world, slot, world.frame->environment_emitter, density);
-    const mcv_color met =
-        mcv_environment_seen(world, MCV_LOAD_3(slot, direction), mcv_path_media(slot), density);
-    MCV_EACH_CHANNEL(i) radiance.c[i] = mcv_fma(throughput.c[i], met.c[i], radiance.c[i]);
-    MCV_STORE_COLOR(slot, radiance, radiance);
+    mcv_add_radiance(slot, mcv_environment_seen(world, MCV_LOAD_3(slot, direction),
+                                                mcv_path_media(slot), density));
 }
 
 #endif

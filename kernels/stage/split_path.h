@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Surfaces of glass, sheets and beam splitters split a path: it takes one way, a branch the other.
+/* Path splitting at glass, sheets and beam splitters: the path takes one lobe, a branch the other.
  */
 #ifndef MCVISI_KERNELS_SPLIT_PATH_H
 #define MCVISI_KERNELS_SPLIT_PATH_H
@@ -8,8 +8,8 @@
 #include "stage/roulette.h"
 
 /*
- * How much oftener than by its chance the less likely way on is followed. Nothing much comes by it
- * where all light is narrow; wide light may come from anywhere.
+ * How much oftener than by its probability the less likely lobe is followed. It contributes little
+ * where all emitters are narrow; wide ones may be met in any direction.
  */
 #define MCV_SPLIT_EFFORT \
     (MCV_WITH_ENVIRONMENT || MCV_WITH_ENVIRONMENT_IMAGE || MCV_WITH_AREA || MCV_WITH_LIGHT_FIELD \
@@ -20,19 +20,19 @@ MCV_LOOP_FUNCTION int mcv_may_split(mcv_slot slot) {
     return MCV_WITH_SPLIT && MCV_WORD(slot, branch, 0) + 1u < MCV_BRANCHES;
 }
 
-/* How a path splits. */
+/* The result of splitting. */
 typedef struct mcv_split {
-    mcv_scattering on, other; /* the path's and the branch's way, */
-    mcv_color carried;        /* what that carries, */
+    mcv_scattering on, other; /* the path's and the branch's lobe, */
+    mcv_color carried;        /* what the branch carries, */
     int splits, branches;     /* and whether there are both */
 } mcv_split;
 
 /*
- * The path takes the likelier one of two ways on instead of that which chance has chosen, and a
- * branch the other one, each weighed by its own chance: R + T. The branch has to survive roulette.
- * Where an environment shines from all sides both ways bring about the same: the path then stands
- * in for what roulette ends, so that both carry as much as before. xi: the number that has chosen,
- * or what is left of it, which has no other use any more.
+ * The path takes the likelier of two lobes instead of the chosen one, and a branch takes the other.
+ * Each is weighted by its own probability: R + T. The branch has to survive roulette. Under an
+ * environment both lobes contribute alike: the path then makes up for a branch that roulette ends,
+ * so that both carry as much as before. xi: the number that has chosen the lobe, or its remainder;
+ * it has no other use any more.
  */
 MCV_LOOP_FUNCTION mcv_split mcv_split_path(mcv_slot slot, float xi, mcv_color throughput,
                                            mcv_scattering on, mcv_scattering other) {
@@ -80,8 +80,8 @@ MCV_LOOP_FUNCTION mcv_split mcv_load_split(mcv_slot slot) {
     return split;
 }
 
-/* A copy of a path becomes its branch: it has random numbers of its own, nothing found so far, and
- * goes the other way. */
+/* A copy of a path becomes its branch: it has its own random numbers, no radiance so far, and the
+ * other lobe. */
 MCV_LOOP_FUNCTION void mcv_continue_branch(mcv_world world, mcv_slot slot,
                                            const mcv_interaction *interaction, mcv_shading shading,
                                            mcv_split split) {

@@ -1,11 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Stage: light paths, one for every 2^k-th camera path. Each starts at an emitter chosen by flux
- * and goes through smooth surfaces and sharp ones, which spread light a little; from the first
- * other one that spreads light on, if one of those came before, it connects each such surface to a
- * place on the sensor's lens, straight or through plates. A beam that comes to the lens itself
- * counts, too. What camera paths find as well, both share (mcv_light_share); what these find only
- * by next-event estimation at a sharp surface is left to light paths.
+ * Stage: light tracing, one light path for every 2^k camera paths. A path starts at an emitter that
+ * is chosen by flux and follows smooth and near-specular surfaces. From the first other scattering
+ * surface on, each vertex is connected to a point of the sensor's lens, straight or through plates.
+ * A path without a smooth or near-specular surface before that vertex ends there: next-event
+ * estimation covers it. A beam that reaches the lens by itself counts.
+ *
+ * Light that camera paths find too is weighted by the balance heuristic (mcv_light_share). Where a
+ * camera path on a near-specular surface would need next-event estimation, light paths alone bring
+ * that light.
  *
  * reads nothing -> writes splats
  */
@@ -25,8 +28,8 @@
 #define MCV_LIGHT_ROULETTE_DEPTH 5u
 
 #if MCV_WITH_BEAM
-/* A beam from smooth surfaces, or straight from its emitter, comes to the plane of the lens before
- * t. */
+/* A beam reaches the plane of the lens before t, from smooth surfaces or straight from its emitter.
+ */
 static void mcv_enter_lens(mcv_world world, mcv_light_path path, float t, __global uint *splats,
                            uint replicate, float xi, uint counts[MCV_COUNTER_COUNT]) {
     mcv_sensor_ray sensor_ray;
@@ -60,11 +63,11 @@ MCV_LOOP_FUNCTION int mcv_continue_light_path(mcv_world world, const mcv_interac
     const int scatters = on.density > 0.0f,
               parts = scatters & !(open & mcv_is_near_specular(world, *interaction));
     const int first = scatters & ((before & MCV_LIGHT_SPREAD) == 0u);
-    /* What comes straight from the emitter, next-event estimation has; what comes to a glossy
-     * surface, camera paths. */
+    /* Next-event estimation covers light straight from the emitter; camera paths cover light on a
+     * glossy surface. */
     const int ends =
         parts & (!carried | (open & mcv_is_left_to_camera(world, *interaction, before)));
-    /* The first surface finds the emitter by next-event estimation. */
+    /* A camera path at the first surface finds the emitter by next-event estimation. */
     const uint after =
         before | MCV_LIGHT_CARRIED | ((scatters & !carried) ? (uint)MCV_LIGHT_FOUND : 0u);
     mcv_color throughput = mcv_tint(path->throughput, on.factor);

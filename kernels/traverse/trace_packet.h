@@ -19,6 +19,11 @@
  * company. */
 #define MCV_PACKET_FEW 5
 
+/* Rays keep each other company below a node where at least so many of them are expected at one of
+ * its children's children, if all enter as many of them as here; where fewer, each continues alone
+ * from the node. */
+#define MCV_PACKET_COMPANY 4u
+
 /* So many of a packet wait for company in turns; the sooner they have gone, the sooner their hits
  * spare the packet nodes. */
 #define MCV_STRAGGLERS 32u
@@ -79,33 +84,59 @@ MCV_LOOP_FUNCTION uint mcv_list_entering(mcv_packet_child next, int any, mcv_pac
     return listed;
 }
 
-/* The children of a node wait, the nearest on top, as the ray sees it that enters it first, or in
- * their order where any hit will do. */
-MCV_LOOP_FUNCTION void mcv_visit_node(__global const mcv_node *nodes,
-                                      __global const mcv_leaf *leaves, mcv_packet_child next,
-                                      uint listed, int any, mcv_packet_traversal *p) {
-    __global const mcv_node *node = nodes + next.child;
-    const uint level = next.level + 1u, bottom = p->depth;
+/* Which children of a node the listed rays enter: a mask for each ray. */
+typedef struct mcv_packet_entries {
+    float8 least; /* where the first ray enters a child */
+    uint entered; /* children, one bit each */
+    uint rays;    /* that enter any */
+    uint count;   /* of pairs of a ray and a child */
+} mcv_packet_entries;
+
+MCV_LOOP_FUNCTION mcv_packet_entries mcv_enter_node(__global const mcv_node *node, uint level,
+                                                    uint listed, mcv_packet_traversal *p) {
     const uchar *list = p->lists[level];
     uchar *masks = p->masks[level];
-    uint depth = bottom;
-    float8 least = (float8)(INFINITY);
-    float begin[MCV_BVH_WIDTH];
-    uint entered = 0;
+    mcv_packet_entries found = {(float8)(INFINITY), 0, 0, 0};
     for (uint k = 0; k < listed; ++k) {
         const uint ray = list[k];
         const mcv_slabs slabs = mcv_packet_slabs(&p->rays, ray);
         float8 entry;
         const uint mask = mcv_intersect_boxes(node, &slabs, p->rays.t[ray], &entry);
-        least = min(least, entry);
+        found.least = min(found.least, entry);
+        found.entered |= mask;
+        found.rays += mask != 0u;
+        found.count += popcount(mask);
         masks[k] = (uchar)mask;
-        entered |= mask;
     }
     vstore8((uchar8)(0), 0, masks + listed);
-    vstore8(any ? (float8)(0, 1, 2, 3, 4, 5, 6, 7) : least, 0, begin);
     p->counts[level] = listed;
-    while (entered) {
-        const uint lane = mcv_pop_bit(&entered);
+    return found;
+}
+
+/* Whether each ray had better continue alone: a ray enters a child with the chance count / (rays
+ * children), and a child of it with the same. Where most children are leaves, the leaves decide. */
+MCV_LOOP_FUNCTION int mcv_rays_part(__global const mcv_node *node, mcv_packet_entries found) {
+    const uint children = popcount(found.entered);
+    uint nodes = 0;
+    for (uint lane = 0; lane < MCV_BVH_WIDTH; ++lane)
+        nodes |= (node->child[lane] >> 31 ^ 1u) << lane;
+    return (2u * popcount(found.entered & nodes) > children) &
+           (found.count * found.count < MCV_PACKET_COMPANY * children * children * found.rays);
+}
+
+/* The children of a node wait, the nearest on top, as the ray sees it that enters it first, or in
+ * their order where any hit will do. */
+MCV_LOOP_FUNCTION void mcv_wait_for_children(__global const mcv_node *nodes,
+                                             __global const mcv_leaf *leaves, mcv_packet_child next,
+                                             mcv_packet_entries found, int any,
+                                             mcv_packet_traversal *p) {
+    __global const mcv_node *node = nodes + next.child;
+    const uint level = next.level + 1u, bottom = p->depth;
+    uint depth = bottom;
+    float begin[MCV_BVH_WIDTH];
+    vstore8(any ? (float8)(0, 1, 2, 3, 4, 5, 6, 7) : found.least, 0, begin);
+    while (found.entered) {
+        const uint lane = mcv_pop_bit(&found.entered);
         mcv_prefetch_child(nodes, leaves, node->child[lane]);
         uint place = depth++;
         for (; place > bottom && begin[p->waiting[place - 1].lane] < begin[lane]; --place)
@@ -115,13 +146,26 @@ MCV_LOOP_FUNCTION void mcv_visit_node(__global const mcv_node *nodes,
     p->depth = depth;
 }
 
+/* The listed rays that enter any child of a node continue alone from it; returns the stragglers'
+ * count. */
+MCV_LOOP_FUNCTION uint mcv_part_rays(mcv_packet_child next, uint listed,
+                                     const mcv_packet_traversal *p, mcv_straggler *stragglers,
+                                     uint alone) {
+    const uchar *list = p->lists[next.level + 1u], *masks = p->masks[next.level + 1u];
+    for (uint k = 0; k < listed; ++k) {
+        stragglers[alone] = (mcv_straggler){list[k], next.child};
+        alone += masks[k] != 0;
+    }
+    return alone;
+}
+
 /* The hits of at most MCV_PACKET rays, all of finite origin. */
 MCV_LOOP_FUNCTION void mcv_trace_packet(__global const mcv_node *nodes,
                                         __global const mcv_leaf *leaves, mcv_rows origins,
                                         mcv_rows directions, const uint *numbers, uint count,
                                         int any, int together, mcv_hits hits) {
     mcv_packet_traversal p;
-    mcv_straggler stragglers[MCV_PACKET];
+    mcv_straggler stragglers[MCV_PACKET + MCV_STRAGGLERS];
     uint alone = 0;
     mcv_packet_setup(origins, directions, numbers, count, nodes->extent, hits, &p.rays);
     if (together) {
@@ -145,7 +189,12 @@ MCV_LOOP_FUNCTION void mcv_trace_packet(__global const mcv_node *nodes,
         } else if (next.child & MCV_CHILD_LEAF) {
             mcv_packet_leaf(leaves + (next.child & ~MCV_CHILD_LEAF), &p.rays, list, listed, any);
         } else {
-            mcv_visit_node(nodes, leaves, next, listed, any, &p);
+            __global const mcv_node *node = nodes + next.child;
+            const mcv_packet_entries found = mcv_enter_node(node, next.level + 1u, listed, &p);
+            if (mcv_rays_part(node, found))
+                alone = mcv_part_rays(next, listed, &p, stragglers, alone);
+            else
+                mcv_wait_for_children(nodes, leaves, next, found, any, &p);
         }
     }
     for (uint i = 0; i < count; ++i) mcv_put_hit(hits, numbers[i], p.rays.hits[i]);

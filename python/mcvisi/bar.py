@@ -1,11 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""The progress bar of a render: in a terminal, or in a notebook."""
+"""The progress bar of a render or a sweep: in a terminal, or in a notebook."""
 
 from __future__ import annotations
 
 import math
 import sys
-from typing import Any, Callable, Optional
+from typing import Any, Callable, Optional, Union
 
 from mcvisi.errors import UsageError
 from mcvisi.session import Progress, ProgressOption
@@ -15,14 +15,28 @@ _PATIENCE = 0.5
 _WIDTH = 30
 
 
-def _words(progress: Progress) -> str:
+class SetsDone:
+    """How far a sweep is: of how many sets is known with the first."""
+
+    def __init__(self, done: int, sets: int, seconds: float) -> None:
+        self.done, self.sets, self.seconds = done, sets, seconds
+        self.fraction = done / sets if sets else 0.0
+
+
+Shown = Union[Progress, SetsDone]
+
+
+def _words(progress: Shown) -> str:
+    if isinstance(progress, SetsDone):
+        of = " of %d" % progress.sets if progress.sets else ""
+        return "%d%s sets, %.0f s" % (progress.done, of, progress.seconds)
     if math.isnan(progress.fraction):
         return "compiling kernels, %.0f s" % progress.seconds
     error = ", error %.2g" % progress.error if math.isfinite(progress.error) else ""
     return "%3.0f %%, %.0f s%s" % (100 * progress.fraction, progress.seconds, error)
 
 
-def _share(progress: Progress) -> float:
+def _share(progress: Shown) -> float:
     return 0.0 if math.isnan(progress.fraction) else min(max(progress.fraction, 0.0), 1.0)
 
 
@@ -33,7 +47,7 @@ class TerminalBar:
         self._stream = stream
         self._shown = False
 
-    def __call__(self, progress: Progress) -> None:
+    def __call__(self, progress: Shown) -> None:
         if progress.seconds < _PATIENCE:
             return
         done = round(_WIDTH * _share(progress))
@@ -42,10 +56,14 @@ class TerminalBar:
         self._stream.flush()
         self._shown = True
 
-    def close(self) -> None:
+    def pause(self) -> None:
+        """Others may print."""
         if self._shown:
             self._stream.write("\r\x1b[K")
             self._stream.flush()
+        self._shown = False
+
+    close = pause
 
 
 class NotebookBar:
@@ -55,7 +73,7 @@ class NotebookBar:
         self._display = display
         self._handle: Any = None
 
-    def __call__(self, progress: Progress) -> None:
+    def __call__(self, progress: Shown) -> None:
         if progress.seconds < _PATIENCE:
             return
         html = '<progress value="%.3f"></progress> %s' % (_share(progress), _words(progress))
@@ -64,6 +82,9 @@ class NotebookBar:
             self._handle = self._display(data, raw=True, display_id=True)
         else:
             self._handle.update(data, raw=True)
+
+    def pause(self) -> None:
+        """It stays where it is."""
 
     def close(self) -> None:
         if self._handle is not None:
@@ -89,6 +110,13 @@ class Bar:
             self._told = self._bar = self._usual()
         elif option is not False:
             raise UsageError("progress: must be None, False or a function")
+
+    @staticmethod
+    def of_sweep(option: Any) -> Any:
+        """The bar of a sweep, or None for nothing."""
+        if option not in (None, False):
+            raise UsageError("progress: must be None or False: loop over the sweep for more")
+        return None if option is False else Bar._usual()
 
     @staticmethod
     def _usual() -> Any:

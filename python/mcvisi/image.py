@@ -267,12 +267,18 @@ class Image(ImageVerbs, Handle):
 
     def _views(self, options: Mapping[str, Any]) -> "Image":
         words = options_json(options)
-        return Image._of(new_pointer("mcv_picture", "mcv_picture_views", self._get(), words), {})
+        return Image._of(_made("mcv_picture_views", self._get(), words), {})
 
     def _emd_gradient(self, options: Mapping[str, Any]) -> "Image":
         words = options_json(options)
-        pointer = new_pointer("mcv_picture", "mcv_picture_emd_gradient", self._get(), words)
-        return Image._of(pointer, {})
+        return Image._of(_made("mcv_picture_emd_gradient", self._get(), words), {})
+
+
+def _made(name: str, *arguments: Any) -> Any:
+    """Calls a function that makes a picture and a report; the report is not wanted."""
+    made = ffi.new("mcv_picture **")
+    call(name, *arguments, made, ffi.NULL)
+    return made[0]
 
 
 def _attributes_json(attributes: Any) -> bytes:
@@ -341,5 +347,6 @@ def compare(a: Image, b: Image) -> Comparison:
     parts="replicates" for rank tests.
     """
     difference, report = ffi.new("mcv_picture **"), ffi.new("char **")
-    call("mcv_picture_compare", _picture(a, "a"), _picture(b, "b"), difference, report)
+    pictures = (_picture(a, "a"), _picture(b, "b"))
+    call("mcv_picture_compare", *pictures, ffi.NULL, ffi.NULL, difference, report)
     return Comparison(Image._of(difference[0], {}), json.loads(take_text(report)))

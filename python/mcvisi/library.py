@@ -17,14 +17,20 @@ _lock = threading.Lock()
 _library: Any = None
 
 
-def _path() -> str:
-    found = sorted(glob.glob(os.path.join(glob.escape(os.path.dirname(__file__)), "libmcvisi.so*")))
-    if not found:
+SYSTEM_LIBRARY = "libmcvisi.so.0"
+
+
+def _open() -> Any:
+    """The library beside the package, as wheels have it, or the system's, as Debian has it."""
+    folder = os.path.dirname(__file__)
+    beside = sorted(glob.glob(os.path.join(glob.escape(folder), "libmcvisi.so*")))
+    try:
+        return ffi.dlopen(beside[0] if beside else SYSTEM_LIBRARY)
+    except OSError as error:
         raise Error(
-            "%s: there is no libmcvisi.so beside the package: install the wheel, or build by "
-            "`./run python`" % os.path.dirname(__file__)
-        )
-    return found[0]
+            "the library cannot be loaded (%s): install the wheel or the package libmcvisi0, or "
+            "build by `./run python`" % error
+        ) from None
 
 
 def library() -> Any:
@@ -34,7 +40,7 @@ def library() -> Any:
         with _lock:
             if _library is None:
                 find_opencl()
-                _library = ffi.dlopen(_path())
+                _library = _open()
     return _library
 
 

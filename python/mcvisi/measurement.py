@@ -43,6 +43,11 @@ def figure_unit(name: str, image_unit: str) -> str:
     return _FIGURE_UNITS.get(name, image_unit)
 
 
+def unit_of(told: str) -> str:
+    """A unit as this package writes it."""
+    return {"pixels": "px", "cycles/pixel": "1/px"}.get(told, told)
+
+
 def value_text(value: float, uncertainty: float) -> str:
     """12.3456(21): the uncertainty in two digits, of the last places of the value."""
     if not (math.isfinite(value) and math.isfinite(uncertainty)) or uncertainty <= 0:

@@ -22,6 +22,7 @@ from mcvisi.library import (
     library,
     new_pointer,
     path_bytes,
+    take_text,
     text_of,
     utf8,
 )
@@ -323,6 +324,19 @@ class Rig(RigVerbs, Handle):
             stop.set()
             raise
 
+    def _camera_model(self, options: Mapping[str, Any]) -> Mapping[str, Any]:
+        found: Mapping[str, Any] = json.loads(self._export_camera(options))
+        return found
+
+    def _export_camera(self, options: Mapping[str, Any]) -> str:
+        return text_of("mcv_rig_camera_model", self._snapshot(), options_json(options))
+
+    def _import_camera(self, path: Path, options: Mapping[str, Any]) -> Mapping[str, Any]:
+        name, words = path_bytes(path, "path"), options_json(options)
+        with self._lock:
+            found: Mapping[str, Any] = json_of("mcv_rig_add_camera", self._get(), name, words)
+        return found
+
     def _trace(
         self, rays: Any, session: Optional[Session], options: Mapping[str, Any]
     ) -> Dict[str, Any]:
@@ -336,21 +350,26 @@ class Rig(RigVerbs, Handle):
             raise UsageError("rays: must have six numbers each, origin and direction")
         rig, used = self._snapshot(), session_of(session)
         words = used._options(options)
+        table = ffi.new("char **")
         with used._used() as pointer:
-            table = text_of(
+            call(
                 "mcv_session_trace",
                 pointer,
                 rig,
                 ffi.from_buffer("double[]", values),
                 len(values),
                 words,
+                table,
+                ffi.NULL,
             )
-        return _columns(table)
+        return _columns(take_text(table))
 
-    def _sweep(self, vary: Any, session: Optional[Session], options: Mapping[str, Any]) -> "Sweep":
+    def _sweep(
+        self, vary: Any, progress: Any, session: Optional[Session], options: Mapping[str, Any]
+    ) -> "Sweep":
         from mcvisi.sweep import Sweep
 
-        return Sweep(self, session_of(session), vary, options)
+        return Sweep(self, session_of(session), vary, progress, options)
 
 
 def _few(names: List[str]) -> str:

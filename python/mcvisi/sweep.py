@@ -7,12 +7,14 @@ import html
 import json
 import os
 import threading
+import time
 import weakref
 from typing import TYPE_CHECKING, Any, Dict, Iterator, List, Mapping, Optional
 
+from mcvisi.bar import Bar, SetsDone
 from mcvisi.errors import Error, UsageError
 from mcvisi.library import call, ffi, take_text
-from mcvisi.measurement import Value
+from mcvisi.measurement import Value, unit_of
 from mcvisi.options import joined
 from mcvisi.work import Job
 
@@ -34,7 +36,7 @@ class Row(Mapping[str, Any]):
         self.report = report
         self.parameters: Mapping[str, Any] = report["parameters"]
         self.metrics: Mapping[str, Value] = {
-            name: Value(found["value"], found["uncertainty"])
+            name: Value(found["value"], found["uncertainty"], unit_of(found.get("unit", "")))
             for name, found in (report.get("metrics") or {}).items()
             if found is not None and found.get("value") is not None
         }
@@ -71,8 +73,15 @@ class Sweep:
     """
 
     def __init__(
-        self, rig: "Rig", session: "Session", vary: Any, options: Mapping[str, Any]
+        self,
+        rig: "Rig",
+        session: "Session",
+        vary: Any,
+        progress: Any,
+        options: Mapping[str, Any],
     ) -> None:
+        self._bar = Bar.of_sweep(progress)
+        self._begun = 0.0
         self._session = session
         self._rig = rig._snapshot()
         self._vary = _vary(vary)
@@ -81,6 +90,8 @@ class Sweep:
         self._job: Optional[Job] = None
         self._ended = False
         self._lock = threading.Lock()
+        #: What is odd in the scene, in sentences.
+        self.notes: List[str] = []
         #: The summary of the sweep, once it has ended.
         self.report: Mapping[str, Any] = {}
         if self._options.get("output") is None:
@@ -95,12 +106,18 @@ class Sweep:
 
     def _work(self, job: Job) -> Mapping[str, Any]:
         def told(_user: Any, row: Any) -> bool:
-            if row != ffi.NULL and not job.stopped:
-                job.tell(Row(json.loads(ffi.string(row).decode())))
+            if job.stopped:
+                return False
+            found = json.loads(ffi.string(row).decode()) if row != ffi.NULL else {}
+            self.notes += [note["text"] for note in found.get("notes", ())]
+            if "set" in found:
+                job.tell(Row(found))
+            elif self._bar is not None:
+                job.tell(None)  # nothing new, but that time goes by
             return not job.stopped
 
         report, error = ffi.new("char **"), ffi.new("mcv_error *")
-        callback = ffi.callback("mcv_row_call", told, error=False)
+        callback = ffi.callback("mcv_told_call", told, error=False)
         try:
             call(
                 "mcv_session_sweep",
@@ -113,6 +130,7 @@ class Sweep:
             )
         except Error as failure:
             if not job.stopped or failure.code != 130:
+                take_text(report)  # there is one where all sets failed
                 raise
         words = take_text(report)
         found: Mapping[str, Any] = json.loads(words) if words else {}
@@ -134,9 +152,10 @@ class Sweep:
             if self._ended:
                 return False
             if self._job is None:
+                self._begun = time.monotonic()
                 self._job = self._session._begin(self._work)
             try:
-                more, item = self._job.next()
+                more, item = self._next(self._job)
             except KeyboardInterrupt:
                 self._stop()
                 raise
@@ -149,11 +168,29 @@ class Sweep:
                 self.report, self._ended = item, True
             return more
 
+    def _next(self, job: Job) -> "tuple[bool, Any]":
+        """What comes next, with the bar while it does not."""
+        more, item = False, None
+        try:
+            while True:
+                more, item = job.next()
+                if not more or item is not None:
+                    return more, item
+                sets = self._rows[0].report["sets"] if self._rows else 0
+                self._bar(SetsDone(len(self._rows), sets, time.monotonic() - self._begun))
+        finally:
+            if self._bar is not None:
+                self._bar.pause() if more else self._bar.close()
+
+    def _keep(self, row: Optional[Row]) -> None:
+        if row is not None:
+            self._rows.append(row)
+
     def _stop(self) -> None:
         if self._job is not None and not self._ended:
             self._job.stop()
             self._ended = True
-            self.report = self._job.wait(self._rows.append)
+            self.report = self._job.wait(self._keep)
 
     def stop(self) -> None:
         """Ends the sweep within the set that is rendered; the rows so far stay."""
@@ -199,18 +236,27 @@ class Sweep:
             columns[name + "_u"] = [float("nan") if v is None else v.uncertainty for v in found]
         return columns
 
+    def _units(self) -> Dict[str, str]:
+        return {name: v.unit for row in self.rows for name, v in row.metrics.items()}
+
     def to_pandas(self) -> "pandas.DataFrame":
-        """A row for each set: parameters, metrics, NAME_u for their uncertainties, message."""
+        """
+        A row for each set: parameters, metrics, NAME_u for their uncertainties, message. attrs: the
+        units of the metrics.
+        """
         import pandas
 
-        return pandas.DataFrame(
+        frame = pandas.DataFrame(
             {**self._columns(), "message": [row.message or "" for row in self.rows]}
         )
+        frame.attrs["units"] = self._units()
+        return frame
 
     def to_xarray(self) -> "xarray.Dataset":
         """
         Metrics over the parameters: a dimension for each parameter of a grid, else one dimension
-        `set`. NAME_u is the standard uncertainty of NAME. attrs: the paths of the parameters.
+        `set`. NAME_u is the standard uncertainty of NAME. attrs: the paths of the parameters, the
+        units of the metrics, and the fingerprint of the scene.
         """
         import numpy
         import xarray
@@ -237,7 +283,11 @@ class Sweep:
         else:
             data = {name: ("set", v) for name, v in columns.items() if name not in names}
             coordinates = {name: ("set", columns[name]) for name in names}
-        dataset = xarray.Dataset(data, coords=coordinates, attrs={"vary": self._vary})
+        attributes = {"vary": self._vary, "fingerprint": self.report.get("fingerprint", "")}
+        dataset = xarray.Dataset(data, coords=coordinates, attrs=attributes)
+        for name, unit in self._units().items():
+            for column in (name, name + "_u"):
+                dataset[column].attrs["units"] = unit
         for name, path in paths.items():
             if name in dataset.coords:
                 dataset.coords[name].attrs["path"] = path

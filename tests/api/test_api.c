@@ -393,12 +393,12 @@ static void test_compares(void **state) {
     (void)state;
     WELL(mcv_rig_set(rig, "emitters/sky/radiance", "2.6", &error));
     b = render(session, rig, "{\"spp\": 16, \"seed\": 1}");
-    WELL(mcv_picture_compare(a, a, NULL, &report, &error));
+    WELL(mcv_picture_compare(a, a, NULL, NULL, NULL, &report, &error));
     assert_non_null(strstr(report, "\"different\":false"));
     assert_non_null(
         strstr(report, "\"notes\":[{\"severity\":\"warning\",\"text\":\"both images have seed 0"));
     mcv_text_free(report);
-    WELL(mcv_picture_compare(a, b, &difference, &report, &error));
+    WELL(mcv_picture_compare(a, b, NULL, NULL, &difference, &report, &error));
     assert_non_null(strstr(report, "\"different\":true"));
     assert_int_equal(part_of(difference, 0).width, 16);
     mcv_text_free(report);
@@ -415,11 +415,12 @@ static void test_traces(void **state) {
     mcv_rig *rig = parse_rig(sky_rig);
     char *csv = NULL;
     (void)state;
-    WELL(mcv_session_trace(session, rig, rays, 1, NULL, &csv, &error));
+    WELL(mcv_session_trace(session, rig, rays, 1, NULL, &csv, NULL, &error));
     assert_int_equal(strncmp(csv, "ray,vertex,event,", 17), 0);
     assert_non_null(strstr(csv, "\n0,0,"));
     mcv_text_free(csv);
-    FAILS(MCV_BAD_INPUT, "ray 0:", mcv_session_trace(session, rig, wrong, 1, NULL, &csv, &error));
+    FAILS(MCV_BAD_INPUT,
+          "ray 0:", mcv_session_trace(session, rig, wrong, 1, NULL, &csv, NULL, &error));
     assert_null(csv);
     mcv_rig_free(rig);
     mcv_session_close(session);

@@ -6,9 +6,9 @@
  */
 #include "api.h"
 
-#include <sys/stat.h>
+#include "program.h"
 
-enum { ROUNDS = 3000, LONGEST = 4096 };
+enum { ROUNDS = 3000, FILE_ROUNDS = 500, LONGEST = 4096 };
 
 static uint64_t random_state = 1;
 
@@ -120,10 +120,113 @@ static void test_damaged_options(void **state) {
         TRY(mcv_session_sweep(session, rig, text, stop_sweep, NULL, &report, &error));
         mcv_text_free(report);
         damage("{\"preview\": true, \"parts\": [\"image\"]}", text);
-        TRY(mcv_picture_write(picture, "/nowhere/x.exr", text, &error));
+        TRY(mcv_picture_write(picture, "nowhere/x.exr", text, &error));
         damage("{\"a\": \"text\", \"b\": 1.5, \"c\": [1, 2]}", text);
         TRY(mcv_picture_make(1, 1, 1, &(float){1}, NULL, text, &made, &error));
         mcv_picture_free(made);
+    }
+    mcv_picture_free(picture);
+    mcv_rig_free(rig);
+    mcv_session_close(session);
+}
+
+static void write_bytes(const char *path, const char *text, size_t size) {
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    assert_true(fwrite(text, 1, size, file) == size);
+    assert_int_equal(fclose(file), 0);
+}
+
+/* The text of a camera in a format of another program. */
+static char *camera_text(const mcv_rig *rig, const char *options) {
+    char *text = NULL;
+    WELL(mcv_rig_camera_model(rig, options, &text, &error));
+    return text;
+}
+
+/* Files of cameras, and the options of what reads and writes them. */
+static void test_damaged_cameras(void **state) {
+    static const char options[] = "{\"format\": \"halcon\", \"sensor\": \"camera\", "
+                                  "\"resolution\": [8, 6], \"output\": \"nowhere/x\"}";
+    mcv_rig *rig = parse_rig(sky_rig);
+    char *files[4] = {
+        camera_text(rig, "{\"format\": \"json\"}"), camera_text(rig, "{\"format\": \"opencv\"}"),
+        camera_text(rig, "{\"format\": \"ros\"}"), camera_text(rig, "{\"format\": \"halcon\"}")};
+    static const char *const colmap[] = {"1 OPENCV 16 12 1250 1250 8 6 0 0 0 0\n",
+                                         "1 1 0 0 0 0.1 0.2 0.3 1 a.png\n\n"};
+    char text[LONGEST], *report;
+    unsigned read = 0;
+    (void)state;
+    mkdir("colmap", 0777);
+    for (int i = 0; i < FILE_ROUNDS; ++i) {
+        mcv_rig *made = parse_rig(sky_rig);
+        size_t length = damage(files[i % 4], text);
+        write_bytes("camera", text, length);
+        TRY(mcv_rig_add_camera(made, "camera", "{\"sensor\": \"x\"}", &report, &error));
+        read += report != NULL;
+        mcv_text_free(report);
+        for (int k = 0; k < 2; ++k) {
+            length = damage(colmap[k], text);
+            write_bytes(k ? "colmap/images.txt" : "colmap/cameras.txt", text, length);
+        }
+        TRY(mcv_rig_add_camera(made, "colmap", NULL, &report, &error));
+        mcv_text_free(report);
+        damage("{\"sensor\": \"y\", \"pixel_size\": \"3um\", \"json\": false}", text);
+        TRY(mcv_rig_add_camera(made, "camera", text, &report, &error));
+        mcv_text_free(report);
+        damage(options, text);
+        TRY(mcv_rig_camera_model(made, text, &report, &error));
+        mcv_text_free(report);
+        mcv_rig_free(made);
+    }
+    print_message("%d files, %u read\n", FILE_ROUNDS, read);
+    assert_true(read > FILE_ROUNDS / 100 && read < FILE_ROUNDS);
+    for (int i = 0; i < 4; ++i) mcv_text_free(files[i]);
+    mcv_rig_free(rig);
+}
+
+static bool stop_told(void *user, const char *report) {
+    (void)user;
+    return report == NULL;
+}
+
+/* Calls that the program makes: what they write goes nowhere, or, where
+ * the path is damaged, into the test's folder; each file is flushed to the disk, so that there are
+ * fewer rounds. */
+static void test_damaged_options_of_files(void **state) {
+    static const char files[] = "{\"spp\": 4, \"output\": \"nowhere/x.exr\", \"camera\": "
+                                "\"nowhere/y.png\", \"expose_to\": 0.5, \"json\": false}",
+                      rays[] = "{\"rays\": \"rays.csv\", \"output\": \"nowhere/t.csv\", "
+                               "\"depth\": 4}",
+                      compare[] = "{\"output\": \"nowhere/d.png\", \"json\": true}",
+                      lightfield[] = "{\"angular\": \"2x2\", \"output\": \"nowhere/v.png\", "
+                                     "\"form\": \"mass\"}",
+                      check[] = "{\"defines\": true, \"sensor\": \"camera\", \"json\": false}";
+    mcv_session *session = open_session("{\"device\": \"reference\", \"threads\": 1}");
+    mcv_rig *rig = parse_rig(sky_rig);
+    mcv_picture *picture = render(session, rig, "{\"spp\": 4}"), *made;
+    char text[LONGEST], *report;
+    (void)state;
+    write_bytes("rays.csv", "0,0,0,0,0,-1\n", 13);
+    for (int i = 0; i < FILE_ROUNDS; ++i) {
+        damage(files, text);
+        TRY(mcv_session_render_files(session, rig, text, stop, stop_told, NULL, &error));
+        damage(rays, text);
+        TRY(mcv_session_trace(session, rig, NULL, 0, text, NULL, &report, &error));
+        mcv_text_free(report);
+        damage(compare, text);
+        TRY(mcv_picture_compare(picture, picture, text, NULL, NULL, &report, &error));
+        mcv_text_free(report);
+        damage(lightfield, text);
+        TRY(mcv_picture_views(picture, text, &made, &report, &error));
+        mcv_picture_free(made);
+        mcv_text_free(report);
+        TRY(mcv_picture_emd_gradient(picture, text, &made, &report, &error));
+        mcv_picture_free(made);
+        mcv_text_free(report);
+        damage(check, text);
+        TRY(mcv_session_check(session, i % 2 ? rig : NULL, text, &report, &error));
+        mcv_text_free(report);
     }
     mcv_picture_free(picture);
     mcv_rig_free(rig);
@@ -175,10 +278,12 @@ static void test_damaged_paths(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_damaged_options),
+        cmocka_unit_test(test_damaged_cameras),
+        cmocka_unit_test(test_damaged_options_of_files),
         cmocka_unit_test(test_damaged_rigs),
         cmocka_unit_test(test_damaged_paths),
     };
     mkdir("no vendors", 0777);
-    setenv("OCL_ICD_VENDORS", "no vendors", 1);
-    return cmocka_run_group_tests(tests, NULL, NULL);
+    setenv("OCL_ICD_VENDORS", "../no vendors", 1);
+    return cmocka_run_group_tests(tests, enter_folder, leave_folder);
 }

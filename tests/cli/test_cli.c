@@ -1540,7 +1540,7 @@ static void test_light_field_bad_input(void **state) {
     EXPECT_FAILURE("lightfield views s.exr -o x.png --png y.png", 2, "--png", "x.png");
     EXPECT_FAILURE("lightfield emd-gradient s.exr -o x.png --form both", 2, "normalized|mass");
     EXPECT_FAILURE("lightfield emd-gradient s.exr -o absent/x.png", 3, "absent/x.png");
-    EXPECT_FAILURE("lightfield emd-gradient s.gltf -o x.png", 3, "s.gltf");
+    EXPECT_FAILURE("lightfield emd-gradient s.gltf -o x.png", 2, "s.gltf", "must end in .exr");
     EXPECT_FAILURE("lightfield emd-gradient p.exr -o x.png", 3, "p.exr",
                    "an image of a light field camera", "--angular");
     EXPECT_FAILURE("lightfield views g.exr -o x.png", 3, "g.exr",

@@ -84,7 +84,7 @@ static void test_is_what_measure_says(void **state) {
                 json_number_value(json_object_get(region, "smallest")) == 0);
     json_decref(difference);
     assert_non_null(strstr(read_whole("s-sweep.html"), "<svg"));
-    assert_null(strstr(read_whole("s-sweep.html"), "http")); /* needs nothing else */
+    assert_null(strstr(read_whole("s-sweep.html"), "://")); /* needs nothing else */
 }
 
 static void test_common_random_numbers(void **state) {
@@ -189,6 +189,10 @@ static void test_experiment_file(void **state) {
     read_numbers(read_whole("one.csv"), 1, a, 7);
     read_numbers(read_whole("two.csv"), 1, b, 7);
     assert_memory_equal(a, b, sizeof a);
+    assert_non_null(strstr(read_whole("one.html"), "<p>why</p>"));
+    program_well(SWEEP " --electrons-per-unit 9 --noise-free -o free.csv");
+    program_fails(SWEEP " --electrons-per-unit 9 -o free.csv --resume", 3,
+                  "--noise-free is missing");
     program_well("sweep two.json -o three.csv"); /* what stands beside a table is an experiment */
     read_numbers(read_whole("three.csv"), 1, a, 7);
     assert_memory_equal(a, b, sizeof a);

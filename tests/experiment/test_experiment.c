@@ -265,6 +265,97 @@ static void test_until(void **state) {
     mcv_experiment_free(&sweep);
 }
 
+static void page_has(const char *words) {
+    if (!strstr(read_whole("t.html"), words)) fail_msg("the page lacks %s", words);
+}
+
+/* Values in the units that were typed, with the uncertainty 1/(4 √8) = 0.088; the best set, what is
+ * as good, and names that are no HTML. */
+static void test_page(void **state) {
+    told t;
+    mcv_sweep sweep;
+    mcv_experiment e = mean_along(&t, TEXTS("sensors/cam/imageDistance=100cm,125cm,400cm"));
+    (void)state;
+    setenv("SOURCE_DATE_EPOCH", "1000000000", 1);
+    e.title = "</script><img src=x onerror=alert(1)>";
+    e.note = "Which & \"why\"?";
+    e.measuring.best = "mean=smallest";
+    e.settings = json_pack("{s:s, s:i, s:i, s:s}", "metric", "mean", "spp", 8, "seed", 5, "set",
+                           "sensors/cam/name=it's");
+    run_well(&e, &sweep);
+    mcv_experiment_free(&sweep);
+    page_has("imageDistance [cm]");
+    page_has("<td>100<td>1.000(88)");
+    page_has("<td>125<td>1.250(88)");
+    page_has("<td>400<td>4.000(88)");
+    page_has("mean [W/(m^2 sr)]");
+    page_has("The best set is <a href=\"#s0\">0</a>: imageDistance 100 cm");
+    page_has("1.000(88) W/(m^2 sr), the smallest of 3 sets");
+    /* 0.25 is 2.0 of √2 0.088; 3 is far more. */
+    page_has("difference is set <a href=\"#s1\">1</a>.");
+    page_has("<tr id=\"s0\" class=\"best\">");
+    page_has("2001-09-09 · mcvisi " MCV_VERSION " · 3 of 3 sets");
+    page_has("&lt;/script&gt;&lt;img src=x onerror=alert(1)&gt;");
+    page_has("Which &amp; &quot;why&quot;?");
+    page_has("mcvisi render s.gltf --seed 5 --set 'sensors/cam/name=it'\\''s' --set "
+             "sensors/cam/imageDistance=1.25 --spp 8 -o set-00001.exr");
+    page_has("The rig, as in set 0");
+    page_has("mirrors"); /* the warning of the scene */
+    assert_int_equal(system("cp t.html before.html"), 0);
+    /* The same table gives the same page; what only the page tells may change. */
+    e.resume = true;
+    run_well(&e, &sweep);
+    mcv_experiment_free(&sweep);
+    assert_int_equal(system("cmp t.html before.html"), 0);
+    e.measuring.best = "mean=largest";
+    json_object_set_new(e.settings, "best", json_string(e.measuring.best));
+    run_well(&e, &sweep);
+    mcv_experiment_free(&sweep);
+    page_has("No other set is as good");
+    page_has("The best set is <a href=\"#s2\">2</a>: imageDistance 400 cm");
+    json_decref(e.settings);
+    unsetenv("SOURCE_DATE_EPOCH");
+}
+
+/* No set has the metric, or there is one set: no picture, no best one, and no crash. */
+static void test_page_of_failures(void **state) {
+    told t;
+    mcv_sweep sweep;
+    mcv_experiment e = mean_along(&t, TEXTS("sensors/cam/imageDistance=8,-1"));
+    (void)state;
+    e.measuring.best = "mean=largest";
+    run_well(&e, &sweep);
+    mcv_experiment_free(&sweep);
+    page_has("2 failed");
+    page_has("no, &quot;not&quot; this one");
+    assert_null(strstr(read_whole("t.html"), "The best set"));
+    assert_null(strstr(read_whole("t.html"), "nan"));
+}
+
+/* Two parameters: a heat map of 3 x 2 cells, each a link to its set. */
+static void test_heat_map(void **state) {
+    told t;
+    mcv_sweep sweep;
+    mcv_experiment e = mean_along(
+        &t, TEXTS("sensors/cam/imageDistance=1,2,4", "nodes/stand/translation/z=1mm,2mm"));
+    (void)state;
+    run_well(&e, &sweep);
+    mcv_experiment_free(&sweep);
+    assert_int_equal(system("test $(grep -o 's[0-9].><rect' t.html | wc -l) -eq 6 && "
+                            "test $(grep -c '<svg class=\"plot\"' t.html) -eq 3"),
+                     0);
+    e.force = true;
+    e.variation.vary =
+        TEXTS("sensors/cam/imageDistance=1..4", "nodes/stand/translation/z=1mm..2mm");
+    e.variation.design = MCV_DESIGN_LHS;
+    e.variation.points = 6;
+    run_well(&e, &sweep); /* no grid: six points */
+    mcv_experiment_free(&sweep);
+    assert_int_equal(system("test $(grep -o 's[0-9].><rect' t.html | wc -l) -eq 0 && "
+                            "test $(grep -o 'r=\"6\"' t.html | wc -l) -eq 6"),
+                     0);
+}
+
 static void test_errors_are_values(void **state) {
     told t;
     mcv_experiment e = make_experiment(&t);
@@ -274,6 +365,14 @@ static void test_errors_are_values(void **state) {
     run_fails(&e, MCV_USAGE, "--metric is missing");
     e.measuring.metrics = TEXTS("dent.mean");
     run_fails(&e, MCV_USAGE, "no --region with the name \"dent\"");
+    e.measuring.metrics = TEXTS("mean");
+    e.measuring.best = "mean";
+    run_fails(&e, MCV_USAGE, "--best mean: must be NAME=largest or NAME=smallest");
+    e.measuring.best = "mean=most";
+    run_fails(&e, MCV_USAGE, "--best mean=most: must be");
+    e.measuring.best = "men=largest";
+    run_fails(&e, MCV_USAGE, "--best men=largest: there is no --metric with this name");
+    e.measuring.best = NULL;
     e.measuring.places.regions = TEXTS("dent=0,0,2,2");
     e.table = "t.txt";
     run_fails(&e, MCV_USAGE, "must end in .csv");
@@ -299,6 +398,9 @@ int main(void) {
         cmocka_unit_test_setup(test_failing_set, fresh),
         cmocka_unit_test_setup(test_interrupted, fresh),
         cmocka_unit_test_setup(test_until, fresh),
+        cmocka_unit_test_setup(test_page, fresh),
+        cmocka_unit_test_setup(test_page_of_failures, fresh),
+        cmocka_unit_test_setup(test_heat_map, fresh),
         cmocka_unit_test_setup(test_errors_are_values, fresh),
     };
     return cmocka_run_group_tests(tests, enter_folder, leave_folder);

@@ -102,12 +102,29 @@ class Mutant:
         return [p for p, _ in found]
 
 
+def test_text(path):
+    """A test program's source, with the files beside it that it includes."""
+    text = path.read_text()
+    beside = [path.parent / name for name in re.findall(r'^#include "([^"/]+\.c)"', text, re.M)]
+    return text + "".join(p.read_text() for p in beside)
+
+
+def is_test(name):
+    """Whether a program of that name, and the functions that the pattern behind it names, exist."""
+    program, _, pattern = name.partition(":")
+    sources = list((ROOT / "tests").glob(f"*/{program}.c"))
+    functions = [
+        t for p in sources for t in re.findall(r"cmocka_unit_test\w*\((\w+)", test_text(p))
+    ]
+    return bool(sources) and (not pattern or bool(fnmatch.filter(functions, pattern)))
+
+
 def read_mutants(path):
     entries = tomllib.loads(path.read_text())["mutant"]
     mutants = [Mutant(e) for e in entries]
     names = [m.name for m in mutants]
     if doubled := {n for n in names if names.count(n) > 1}:
-        raise ValueError(f"{path}: two mutants are called \"{doubled.pop()}\"")
+        raise ValueError(f'{path}: two mutants are called "{doubled.pop()}"')
     return mutants
 
 
@@ -288,7 +305,7 @@ def main():
         help="copies of the sources that work at once",
     )
     parser.add_argument(
-        "--list", action="store_true", help="check that every text is found, and end"
+        "--list", action="store_true", help="check that every text and test is found, and end"
     )
     parser.add_argument(
         "--no-control", action="store_true", help="leave out the tests without a fault"
@@ -318,6 +335,9 @@ def main():
             files = mutant.files(ROOT)
             if arguments.list:
                 print(f"{mutant.name}: {', '.join(str(p.relative_to(ROOT)) for p in files)}")
+            for test in mutant.tests:
+                if not is_test(test):
+                    raise LookupError(f"there is no test {test}")
         except (LookupError, OSError) as why:
             print(f"{mutant.name}: {why}")
             lost += 1

@@ -1,9 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
-"""blender_peer.py FOLDER: a part as Blender exports it, with its defaults but for the format: part.glb, part.gltf, binary and ASCII STL;
-and lit.glb, with the camera and the light that the defaults leave out.
+"""blender_peer.py FOLDER: a part as Blender exports it, with its defaults but for the format:
+part.glb, part.gltf, binary and ASCII STL; and lit.glb, with the camera and the light that the
+defaults leave out.
 
-The part is a plate of 40 mm x 30 mm x 12 mm (x, y, z; z is up in Blender) with a tab of 10 mm x 10 mm x 12 mm at its +x side, a copy
-that is turned by 90 degrees about z and hangs on an empty. The scene is Blender's own beginning, with its camera and its light of 1000 W.
+The part is a plate of 40 mm x 30 mm x 12 mm (x, y, z; z is up in Blender) with a tab of 10 mm x
+10 mm x 12 mm at its +x side, a copy that is turned by 90 degrees about z and hangs on an empty. The
+scene is Blender's own beginning, with its camera and its light of 1000 W.
 """
 
 import math

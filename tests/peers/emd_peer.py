@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: Apache-2.0
-"""emd_peer.py PAIRS COLUMNS ROWS: writes the distances of pairs of histograms by POT, two doubles each: normalized, mass.
+"""emd_peer.py PAIRS COLUMNS ROWS: writes the distances of pairs of histograms by POT, two doubles
+each: normalized, mass.
 
 PAIRS holds doubles: the first histogram of a pair, row by row, then the second.
 """
@@ -22,8 +23,15 @@ def main(path, columns, rows):
     for p, q in pairs:
         normalized = ot.emd2(p / p.sum(), q / q.sum(), costs, numItermax=10**7)
         surplus = p.sum() - q.sum()
-        mass = ot.emd2(numpy.append(p, max(0, -surplus)), numpy.append(q, max(0, surplus)), open_costs, numItermax=10**7)
-        sys.stdout.buffer.write(numpy.array([normalized, mass + 0.5 * costs.max() * abs(surplus)]).tobytes())
+        mass = ot.emd2(
+            numpy.append(p, max(0, -surplus)),
+            numpy.append(q, max(0, surplus)),
+            open_costs,
+            numItermax=10**7,
+        )
+        sys.stdout.buffer.write(
+            numpy.array([normalized, mass + 0.5 * costs.max() * abs(surplus)]).tobytes()
+        )
 
 
 main(sys.argv[1], int(sys.argv[2]), int(sys.argv[3]))

@@ -45,6 +45,10 @@ def test_the_first_script(run):
     assert names["ds"].u.dims == ("fNumber", "halfAngle") and names["ds"].u.shape == (3, 8)
 
 
+def test_the_first_page_has_the_first_script():
+    assert "```python\n%s```" % BLOCKS[0] in (DOCS / "index.md").read_text(encoding="utf-8")
+
+
 def test_the_width_that_the_page_states(run):
     """Geometry: 57 mm, and twice the growth of the edge that check states."""
     names, _ = run

@@ -219,3 +219,25 @@ def test_trace(rig):
     assert len(columns["ray"]) >= 2
     with pytest.raises(mv.UsageError, match="six numbers"):
         rig.trace([[0, 0, 0]])
+
+
+def test_camera_models_go_to_other_programs_and_back(rig, tmp_path):
+    model = rig.camera_model()
+    image = rig.render(spp=4, resolution=(24, 16), progress=False)
+    assert rig.camera_model(resolution=(24, 16))["A"] == image.camera_model["A"]
+    for name in ("json", "opencv", "halcon"):
+        path = tmp_path / name
+        text = rig.export_camera(format=name, output=path)
+        assert path.read_text() == text
+        report = rig.copy().import_camera(path, sensor="again")
+        assert report["sensor"] == "again" and report["model"] == "telecentric"
+        other = rig.copy()
+        other.import_camera(path, sensor="again")
+        found = other.camera_model(sensor="again")
+        # of doubles, by some ten operations
+        np.testing.assert_allclose(found["A"], model["A"], rtol=1e-12, atol=1e-9)
+        assert "again" not in str(rig.camera_model())
+    with pytest.raises(mv.BadInput, match="ROS has no such model"):
+        rig.export_camera(format="ros")
+    with pytest.raises(mv.UsageError, match="already"):
+        rig.import_camera(path)

@@ -1,7 +1,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Sweeps: rows as they finish, tables."""
 
+import io
 import math
+import signal
+import sys
 import threading
 import time
 
@@ -62,6 +65,9 @@ def test_tables(rig):
         at = data.sel(fNumber=row["fNumber"], halfAngle=row["halfAngle"])
         assert float(at.b) == row["b"].value and float(at.b_u) == row["b"].uncertainty
     assert data.fNumber.attrs["path"] == "sensors/camera/fNumber"
+    assert data.u.attrs["units"] == "px" and data.b_u.attrs["units"] == "W/m^2"
+    assert frame.attrs["units"] == {"u": "px", "b": "W/m^2"}
+    assert len(data.attrs["fingerprint"]) == 16 and str(sweep.rows[0]["u"]).endswith("px")
 
 
 def test_other_designs(rig):
@@ -98,6 +104,36 @@ def test_where_all_sets_fail(rig):
     with pytest.raises(mv.Error, match="all 6 sets failed"):
         sweep.rows
     assert len(sweep.rows) == 6 and all(row.message for row in sweep)
+
+
+class Terminal(io.StringIO):
+    def isatty(self):
+        return True
+
+
+def test_a_bar_in_a_terminal(rig, monkeypatch):
+    terminal = Terminal()
+    monkeypatch.setattr(sys, "stderr", terminal)
+    for row in sweep_of(rig, error=1e-9, time=0.4, spp=2**30):
+        assert terminal.getvalue().endswith("\r\x1b[K") or not terminal.getvalue()
+    assert "of 6 sets" in terminal.getvalue() and terminal.getvalue().endswith("\r\x1b[K")
+    terminal = Terminal()
+    monkeypatch.setattr(sys, "stderr", terminal)
+    assert len(sweep_of(rig, progress=False, time=0.4).rows) == 6 and terminal.getvalue() == ""
+    with pytest.raises(mv.UsageError, match="progress"):
+        sweep_of(rig, progress=True)
+
+
+def test_ctrl_c_keeps_the_rows_so_far(rig):
+    sweep = sweep_of(rig, time=0.5, spp=2**30)
+    rows = iter(sweep)
+    next(rows)
+    timer = threading.Timer(0.2, signal.raise_signal, [signal.SIGINT])
+    timer.start()
+    with pytest.raises(KeyboardInterrupt):
+        list(rows)
+    assert sweep.finished and 1 <= len(sweep.rows) < 6
+    assert rig.render(spp=16, progress=False).shape == (64, 96)
 
 
 def test_bad_input(rig):

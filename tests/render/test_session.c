@@ -113,6 +113,12 @@ static size_t rows_of(const char *path) {
  * per core, and all that the first thread does is between them. Where more programs want to run
  * than there are cores, this alone is judged.
  */
+#ifdef __SANITIZE_ADDRESS__
+static const double most = INFINITY; /* it slows the host, and not the stages: the driver's code */
+#else
+static const double most = 1.3;
+#endif
+
 static void test_thousand_renders(void **state) {
     const double lower[3] = {-20, -15, -6}, upper[3] = {20, 15, 6};
     const double cores = (double)sysconf(_SC_NPROCESSORS_ONLN);
@@ -152,10 +158,10 @@ static void test_thousand_renders(void **state) {
     assert_true(number_of(report, "structures_built") == 1 &&
                 number_of(report, "programs_built") == 1);
     json_decref(report);
-    if (!(ratio <= 1.3)) fail_msg("a sweep costs %.2f times its stages in processor time", ratio);
+    if (!(ratio <= most)) fail_msg("a sweep costs %.2f times its stages in processor time", ratio);
     if (getloadavg(load, 1) == 1 && load[0] > cores + 1)
         print_message("under a load of %.1f the time is not judged\n", load[0]);
-    else if (!(seconds <= 1.3 * stages))
+    else if (!(seconds <= most * stages))
         fail_msg("a sweep costs %.2f times its stages", seconds / stages);
     if (!(early > 0 && (double)late <= 1.05 * (double)early))
         fail_msg("memory grows from %ld to %ld pages", early, late);

@@ -177,8 +177,43 @@ static void test_glass_ball(void **state) {
     mcv_scene_free(scene);
 }
 
+/*
+ * A traced ray passes a beam splitter where light can. One that reflects all turns it back with all
+ * of its light, one that absorbs all lets it on with none; no quotient of zeros is left.
+ */
+static void test_opaque_splitters(void **state) {
+    (void)state;
+    for (int reflects = 0; reflects < 2; ++reflects) {
+        mcv_scene *scene = mcv_scene_new("opaque splitter");
+        const double share = reflects;
+        const uint32_t splitter = add_material(
+            scene, MCV_MATERIAL_BEAM_SPLITTER,
+            &(mcv_material){.as.beam_splitter = {.reflectance = {share, share, share}}});
+        const mcv_trace_ray ray = {.origin = {0, 0, 1}, .direction = {0, 0, -1}};
+        mcv_render_options options = mcv_render_defaults();
+        options.depth = 3;
+        add_rectangle(scene, 1, 1, splitter, looking_up_z(0, 0, 0.5));
+        add_rectangle(scene, 1, 1, add_absorber(scene), looking_up_z(0, 0, 0));
+        for (int reference = 0; reference < 2; ++reference) {
+            mcv_vertex *vertices;
+            size_t count;
+            BUILD((reference ? mcv_reference_trace : mcv_trace)(scene, &ray, 1, &options, &vertices,
+                                                                &count, &builder_error));
+            assert_int_equal(count, 3);
+            if (vertices[2].transmittance != share ||
+                vertices[1].event != (reflects ? MCV_EVENT_REFLECT : MCV_EVENT_PASS))
+                fail_msg("after a splitter of reflectance %g, event %u, %s says that %g is left",
+                         share, vertices[1].event, reference ? "the reference" : "the device",
+                         vertices[2].transmittance);
+            free(vertices);
+        }
+        mcv_scene_free(scene);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_report_lens),
-                                       cmocka_unit_test(test_glass_ball)};
+                                       cmocka_unit_test(test_glass_ball),
+                                       cmocka_unit_test(test_opaque_splitters)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

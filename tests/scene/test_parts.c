@@ -117,8 +117,43 @@ static void test_cover(void **state) {
     assert_true(rim > 5 * beside);
 }
 
+/*
+ * From a place x in focus the panel's cone lies about x on the camera's lens, at the distance s. A
+ * weak lens in that plane turns light by x/F, so that it lies about x (1 - s/F): two places that
+ * are 2 p apart differ by 2 p |1 - s/F| of a lens b/N wide. The cone stays on the lens wherever the
+ * part is, so that the gradient is half of √2 times that from the middle to the rim. F of a
+ * plano-convex lens of glass is R/(n - 1), 1/1000 more where it is seen from 1 mm. The rest of 3 %
+ * is for the noise of 256 samples in a macro pixel and for its 9 x 9 directions, which round the
+ * cone off.
+ */
+static void test_deflection(void **state) {
+    (void)state;
+    program_well("new transparent weak.stl --unit mm --material N-BK7");
+    expect_sound("weak-transparent.gltf");
+    json_t *checked = program_json("check weak-transparent.gltf --json");
+    const double f = 0.3, n = 2.8, field = number_at(checked, "sensors/0/optics/field_of_view/0"),
+                 s = number_at(checked, "sensors/0/optics/working_distance");
+    json_decref(checked);
+    program_well("render weak-transparent.gltf --resolution 40x30 --spp 256 -o weak.exr");
+    program_well("lightfield emd-gradient weak.exr -o gradient.exr");
+    json_t *figures = program_json("measure gradient.exr --region middle=18,13,4,4 --region "
+                                   "left=10,13,3,4 --region low=18,21,4,3 --json");
+    const double pupil = f * s / (s - f) / n, focal = 1.292 / 0.5168,
+                 expected = 0.5 * M_SQRT2 * 2 * field / 40 * fabs(1 - s / focal) / pupil;
+    for (int k = 0; k < 3; ++k) {
+        char path[64];
+        snprintf(path, sizeof path, "regions/%d/mean/value", k);
+        const double gradient = number_at(figures, path);
+        print_message("region %d: gradient %.5f, expected %.5f\n", k, gradient, expected);
+        if (!(fabs(gradient / expected - 1) <= 0.03))
+            fail_msg("region %d: gradient %.5f, expected %.5f", k, gradient, expected);
+    }
+    json_decref(figures);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_bracket), cmocka_unit_test(test_vial),
-                                       cmocka_unit_test(test_cover)};
+                                       cmocka_unit_test(test_cover),
+                                       cmocka_unit_test(test_deflection)};
     return cmocka_run_group_tests(tests, make_parts, leave_folder);
 }

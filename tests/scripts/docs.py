@@ -127,7 +127,7 @@ class Program:
         self.run_verbs = {"help"} | set(re.findall(r"^\./run (\w+)", usage, re.M))
         self.run_options = set(OPTION.findall(usage))
         overview = output(mcvisi, "help")
-        self.verbs = set(re.findall(r"^  mcvisi (\w+)", overview, re.M))
+        self.verbs = set(re.findall(r"^  mcvisi ([a-z][a-z-]*)", overview, re.M))
         self.options = {
             verb: set(OPTION.findall(output(mcvisi, "help", verb)))
             for verb in self.verbs - {"help"}
@@ -149,7 +149,7 @@ class Program:
             words
             and words[0].endswith("mcvisi")
             and len(words) > 1
-            and re.fullmatch(r"[a-z]+", words[1])
+            and re.fullmatch(r"[a-z][a-z-]*", words[1])
         ):
             if words[1] not in self.verbs:
                 fail(name, "`mcvisi help` has no verb %s" % words[1])

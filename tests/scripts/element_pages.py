@@ -11,6 +11,7 @@ element_pages.py MCVISI SOURCES FOLDER
   renderer, which compiles nothing: its image is not black.
 - Each drawing is on a page, and the overview shows drawings that exist.
 """
+
 import glob
 import json
 import math
@@ -72,8 +73,11 @@ def scenes(text):
 
 def uses(scene, kind, key):
     if kind == "materials":
-        found = [m.get("extensions", {}).get("MCVISI_materials", {}) for m in scene["materials"]] \
-            if "materials" in scene else []
+        found = (
+            [m.get("extensions", {}).get("MCVISI_materials", {}) for m in scene["materials"]]
+            if "materials" in scene
+            else []
+        )
     else:
         found = scene["extensions"].get("MCVISI_" + kind, {}).get(kind, [])
     return any(element.get("type") == key for element in found)
@@ -121,8 +125,20 @@ def run_scene(program, path):
         if finding["severity"] != "note":
             fail(os.path.basename(path), finding["severity"] + ":", finding["text"])
     image = path.replace(".gltf", ".exr")
-    rendered = run("render", path, "--device", "reference", "--threads", "1", "--resolution", "8x6",
-                   "--spp", "16", "-o", image)
+    rendered = run(
+        "render",
+        path,
+        "--device",
+        "reference",
+        "--threads",
+        "1",
+        "--resolution",
+        "8x6",
+        "--spp",
+        "16",
+        "-o",
+        image,
+    )
     if rendered and not (math.isfinite(rendered["mean"]) and rendered["mean"] > 0):
         fail(os.path.basename(path), "renders black: mean", rendered["mean"])
 
@@ -143,7 +159,9 @@ def main(program, sources, folder):
     for name, text in sorted(pages.items()):
         for scene in scenes(text):
             count += 1
-            path = os.path.join(made["scenes"], "%02d-%s.gltf" % (count, os.path.basename(name)[:-3]))
+            path = os.path.join(
+                made["scenes"], "%02d-%s.gltf" % (count, os.path.basename(name)[:-3])
+            )
             with open(path, "w", encoding="utf-8") as file:
                 json.dump(scene, file)
             run_scene(program, path)

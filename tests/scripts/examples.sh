@@ -25,25 +25,24 @@ add() {
     cp "$examples/$2" "$tree/$1"
 }
 
-# after FILE LINE TEXT: puts TEXT behind the first line that holds LINE, which must be there.
-after() {
-    touches "$1"
-    grep -qF -- "$2" "$tree/$1" ||
-        fail "$1 has no line with '$2': docs/adding-an-element.md is for other sources"
-    LINE=$2 TEXT=$3 awk '{ print } !done && index($0, ENVIRON["LINE"]) { print ENVIRON["TEXT"]; done = 1 }' \
-        "$tree/$1" >"$tree/edited"
-    mv "$tree/edited" "$tree/$1"
+# put after|before FILE LINE TEXT: TEXT behind or in front of the first line that holds LINE, which
+# must be there.
+put() {
+    touches "$2"
+    grep -qF -- "$3" "$tree/$2" ||
+        fail "$2 has no line with '$3': docs/adding-an-element.md is for other sources"
+    WHERE=$1 LINE=$3 TEXT=$4 awk '
+        function text() { print ENVIRON["TEXT"]; done = 1 }
+        { found = !done && index($0, ENVIRON["LINE"]) }
+        found && ENVIRON["WHERE"] == "before" { text() }
+        { print }
+        found && ENVIRON["WHERE"] == "after" { text() }' "$tree/$2" >"$tree/edited"
+    mv "$tree/edited" "$tree/$2"
 }
 
-# before FILE LINE TEXT: the same in front of it.
-before() {
-    touches "$1"
-    grep -qF -- "$2" "$tree/$1" ||
-        fail "$1 has no line with '$2': docs/adding-an-element.md is for other sources"
-    LINE=$2 TEXT=$3 awk '!done && index($0, ENVIRON["LINE"]) { print ENVIRON["TEXT"]; done = 1 } { print }' \
-        "$tree/$1" >"$tree/edited"
-    mv "$tree/edited" "$tree/$1"
-}
+after() { put after "$@"; }
+
+before() { put before "$@"; }
 
 # element NAME FUNCTION: the steps, which touch few files.
 element() {
@@ -75,26 +74,65 @@ add_sensor() {
         return line_scan(sensor, column, row, x, y);'
 }
 
-# shellcheck disable=SC1003
-add_material() {
+# material NAME TYPE FOLDER LIST BESIDE: the steps that all materials have in common. BESIDE: whose
+# header's #include the new one follows.
+material() {
+    local name=$1 type=$2 folder=$3 list=$4 beside=$5
     # 1. The header.
-    add include/mcvisi/materials/lunar_lambert.h material/lunar_lambert.h
+    add "include/mcvisi/materials/$name.h" "$folder/$name.h"
     # 2. A line in the list, and the header's #include.
-    after include/mcvisi/elements.h '#define MCV_SCATTERERS(X)' '    X(lunar_lambert, "lunarLambert", LUNAR_LAMBERT) \'
-    after include/mcvisi/elements.h '#include "mcvisi/materials/retroreflector.h"' '#include "mcvisi/materials/lunar_lambert.h"'
+    after include/mcvisi/elements.h "#define $list(X)" "    X($name, \"$type\", ${name^^}) \\"
+    after include/mcvisi/elements.h "#include \"mcvisi/materials/$beside.h\"" \
+        "#include \"mcvisi/materials/$name.h\""
     # 3. What the device needs of it.
-    before host/device/pack_materials.c '    case MCV_MATERIAL_MIRROR:' "$(cat "$examples/material/pack_materials.c")"
-    # 4. Its two functions on the device.
-    add kernels/bsdf/lunar_lambert.h material/bsdf.h
-    after kernels/bsdf/bsdf.h '#include "bsdf/gloss.h"' '#include "bsdf/lunar_lambert.h"'
-    # 5. The model once more, in the reference renderer.
-    before host/reference/path_surface.c 'bool ref_meet_surface' "$(cat "$examples/material/path_surface.c")"
+    before host/device/pack_materials.c '    case MCV_MATERIAL_MIRROR:' \
+        "$(cat "$examples/$folder/pack_materials.c")"
+    # 4. Its functions on the device.
+    add "kernels/bsdf/$name.h" "$folder/bsdf.h"
+    # 5. The #include of that file.
+    after kernels/bsdf/bsdf.h '#include "bsdf/diffuse.h"' "#include \"bsdf/$name.h\""
+}
+
+# scatterer NAME TYPE FOLDER ASSIGNMENTS: a scattering material, whose functions in the reference
+# renderer the ASSIGNMENTS name.
+scatterer() {
+    material "$1" "$2" "$3" MCV_SCATTERERS retroreflector
+    # 6. The model once more, in the reference renderer.
+    before host/reference/path_surface.c 'bool ref_meet_surface' \
+        "$(cat "$examples/$3/path_surface.c")"
     before host/reference/path_surface.c '    case MCV_MATERIAL_DIELECTRIC:' \
-        '    case MCV_MATERIAL_LUNAR_LAMBERT: {
+        "    case MCV_MATERIAL_${1^^}: {
         ref_scatterer s = scatterer_at(world, p, surface);
-        s.evaluate = evaluate_lunar_lambert;
+        $4
         return ref_scatter(world, p, surface, &s, last, random, tally, radiance);
-    }'
+    }"
+}
+
+add_material() {
+    scatterer lunar_lambert lunarLambert material 's.evaluate = evaluate_lunar_lambert;'
+}
+
+add_film() {
+    scatterer diffusing_film diffusingFilm film \
+        's.evaluate = evaluate_diffusing_film; s.sample = sample_diffusing_film;'
+}
+
+add_plate() {
+    material filter_glass filterGlass plate MCV_PLATES beam_splitter
+    # 6. The model once more, in the reference renderer.
+    before host/reference/plate.c '    case MCV_MATERIAL_BEAM_SPLITTER: {' \
+        "$(cat "$examples/plate/plate.c")"
+}
+
+# shellcheck disable=SC1003 # the backslash is C's
+add_interface() {
+    material ground_glass groundGlass interface MCV_SCATTERERS retroreflector
+    # 2. A line in the list of those that fill a body.
+    after include/mcvisi/elements.h '#define MCV_MEDIUM_MATERIALS(X)' \
+        '    X(ground_glass, "groundGlass", GROUND_GLASS) \'
+    # 6. The model once more, in the reference renderer.
+    before host/reference/path_surface.c '    case MCV_MATERIAL_DIELECTRIC:' \
+        "$(cat "$examples/interface/path_surface.c")"
 }
 
 # shellcheck disable=SC1003
@@ -109,7 +147,8 @@ add_emitter() {
     before host/scene/emitters.c '    if (mcv_emitter_is_surface_light(emitter->type)) return 2 * M_PI;' \
         '    if (emitter->type == MCV_EMITTER_LED) return 2 * M_PI;'
     # 4. What the device needs of it.
-    before host/scene/emitters_device.c '    if (emitter->type == MCV_EMITTER_SPOT) {' "$(cat "$examples/emitter/emitters_device.c")"
+    before host/scene/emitters_device.c '    if (emitter->type == MCV_EMITTER_SPOT) {' \
+        "$(cat "$examples/emitter/emitters_device.c")"
     # 5. The model once more, in the reference renderer.
     before host/reference/lights.c '    case MCV_EMITTER_SPOT: {' "$(cat "$examples/emitter/lights.c")"
 }
@@ -125,50 +164,10 @@ add_surface_light() {
     before host/scene/emitters.c '    const double beta = mcv_emitter_half_angle(emitter);' \
         "$(cat "$examples/surface_light/emitters.c")"
     # 4. What the device needs of it.
-    after host/scene/emitters_device.c '*device = (mcv_surface_light)' "$(cat "$examples/surface_light/emitters_device.c")"
+    after host/scene/emitters_device.c '*device = (mcv_surface_light)' \
+        "$(cat "$examples/surface_light/emitters_device.c")"
     # 5. The model once more, in the reference renderer.
     before host/reference/emission.c '    case MCV_EMITTER_PARALLEL:' "$(cat "$examples/surface_light/emission.c")"
-}
-
-# shellcheck disable=SC1003
-add_film() {
-    # 1. The header.
-    add include/mcvisi/materials/diffusing_film.h film/diffusing_film.h
-    # 2. A line in the list, and the header's #include.
-    after include/mcvisi/elements.h '#define MCV_SCATTERERS(X)' '    X(diffusing_film, "diffusingFilm", DIFFUSING_FILM) \'
-    after include/mcvisi/elements.h '#include "mcvisi/materials/retroreflector.h"' '#include "mcvisi/materials/diffusing_film.h"'
-    # 3. What the device needs of it.
-    before host/device/pack_materials.c '    case MCV_MATERIAL_MIRROR:' "$(cat "$examples/film/pack_materials.c")"
-    # 4. Its two functions on the device.
-    add kernels/bsdf/diffusing_film.h film/bsdf.h
-    # 5. The #include of that file.
-    after kernels/bsdf/bsdf.h '#include "bsdf/diffuse.h"' '#include "bsdf/diffusing_film.h"'
-    # 6. The model once more, in the reference renderer.
-    before host/reference/path_surface.c 'bool ref_meet_surface' "$(cat "$examples/film/path_surface.c")"
-    before host/reference/path_surface.c '    case MCV_MATERIAL_DIELECTRIC:' \
-        '    case MCV_MATERIAL_DIFFUSING_FILM: {
-        ref_scatterer s = scatterer_at(world, p, surface);
-        s.evaluate = evaluate_diffusing_film;
-        s.sample = sample_diffusing_film;
-        return ref_scatter(world, p, surface, &s, last, random, tally, radiance);
-    }'
-}
-
-# shellcheck disable=SC1003
-add_plate() {
-    # 1. The header.
-    add include/mcvisi/materials/filter_glass.h plate/filter_glass.h
-    # 2. A line in the list, and the header's #include.
-    after include/mcvisi/elements.h '#define MCV_PLATES(X)' '    X(filter_glass, "filterGlass", FILTER_GLASS) \'
-    after include/mcvisi/elements.h '#include "mcvisi/materials/beam_splitter.h"' '#include "mcvisi/materials/filter_glass.h"'
-    # 3. What the device needs of it.
-    before host/device/pack_materials.c '    case MCV_MATERIAL_MIRROR:' "$(cat "$examples/plate/pack_materials.c")"
-    # 4. Its function on the device.
-    add kernels/bsdf/filter_glass.h plate/bsdf.h
-    # 5. The #include of that file.
-    after kernels/bsdf/bsdf.h '#include "bsdf/diffuse.h"' '#include "bsdf/filter_glass.h"'
-    # 6. The model once more, in the reference renderer.
-    before host/reference/plate.c '    case MCV_MATERIAL_BEAM_SPLITTER: {' "$(cat "$examples/plate/plate.c")"
 }
 
 tree=$(mktemp -d)
@@ -180,6 +179,7 @@ element "emitter with a surface" add_surface_light
 element "reflecting material" add_material
 element "scattering film" add_film
 element plate add_plate
+element "refracting material" add_interface
 
 # Only what differs is copied, so that the build sees what changed; what is gone goes.
 mkdir -p "$copy"
@@ -199,13 +199,15 @@ mcvisi=$copy/b/mcvisi
 cd "$copy"
 
 # expect SCENE SENSOR SPP TRUTH TOLERANCE [REFERENCE]: both renderers have that mean, and the same
-# picture. REFERENCE: the reference renderer's tolerance, where it has more noise.
+# picture. REFERENCE: the reference renderer's tolerance, where it has more noise. `settings` change
+# the scene.
+settings=()
 expect() {
     local result mean off
-    "$mcvisi" render "$1" --sensor "$2" --spp "$3" -o device.exr --png device.png --parts replicates --replicates 16 \
-        --seed 1 --json >device.json
-    "$mcvisi" render "$1" --sensor "$2" --spp "$3" -o reference.exr --png reference.png --parts replicates \
-        --replicates 16 --seed 2 --device reference --json >reference.json
+    local render=("$mcvisi" render "$1" --sensor "$2" --spp "$3" "${settings[@]}" --json
+        --parts replicates --replicates 16)
+    "${render[@]}" -o device.exr --png device.png --seed 1 >device.json
+    "${render[@]}" -o reference.exr --png reference.png --seed 2 --device reference >reference.json
     for result in device.json reference.json; do
         mean=$(sed -n 's/.*"mean": *\([0-9.e+-]*\).*/\1/p' $result | head -1)
         off=$([ $result = device.json ] && echo "$5" || echo "${6:-$5}")
@@ -314,4 +316,27 @@ expect "$scene" camera-2 64 "$(filter 0.5 passed)" 1e-6 1.4e-3
 expect "$scene" camera-3 64 "$(filter 0.5 reflected)" 1e-6 1.4e-3
 expect_check "$scene" 'internalTransmittance  *0.1'
 expect_refusal "$scene" materials/filter/ior=0.9 'materials/filter/ior: 0.9 must lie from 1 to 10'
+
+# --- the ground glass ---
+
+# With the reflectance ρ = 1/4, T = 1 - ρ and n = 1.5, light leaves the glass with the share
+# q = T/n². In the ball each wall element lights all others evenly. Without absorption the sky's
+# radiance 1 stays 1. The sun, E = π, sends T E π R² into the ball, whose wall then has the
+# irradiance T E/(4 q), and shines with T E/(4 π) = T/4 where the sun does not reach it. With x = 2 R
+# times the absorption, a ray from wall to wall keeps τ = 2 (1 - (1 + x) exp(-x))/x² on average: the
+# sky is then seen as ρ + T q τ/(1 - (1 - q) τ).
+# A path meets the inner wall k times with the chance q (1 - q)^(k-1), each time q cosθ' of the sun,
+# where cosθ' is 0 or more with the moments 1/4 and 1/6: the second moment of their sum is
+# q²/6 k + q²/16 k (k - 1), on average q/6 + (1 - q)/8 = 0.14, a deviation of 0.38. Of
+# 32 x 32 x 64 samples five standard errors are 5/256 of it. Under the absorbed sky a sample lies
+# between 0 and 1, no further than 1/2 from its mean.
+scene=$examples/interface/ground_glass.gltf
+expect "$scene" camera 64 1.1875 0.0075
+settings=(--set materials/glass/absorption=50 --set emitters/sun/irradiance=0)
+expect "$scene" camera 64 "$(awk 'BEGIN { T = 0.75; q = T / 2.25; tau = 2 * (1 - 2 * exp(-1))
+    print 0.25 + T * q * tau / (1 - (1 - q) * tau) }')" 0.0098
+settings=()
+expect_check "$scene" 'diffuseReflectance  *0.25'
+expect_refusal "$scene" materials/glass/ior=0.9 'materials/glass/ior: 0.9 must lie from 1 to 10'
+expect_refusal "$scene" materials/glass/priority=0.5 'materials/glass: priority 0.5 must be an integer'
 echo "the examples work"

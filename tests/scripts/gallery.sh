@@ -9,7 +9,8 @@ folder=$4/gallery
 failures=0
 rm -rf "$folder"
 mkdir -p "$folder/small" "$folder/pictures"
-"$mcvisi" render scenes/scratch.gltf --resolution 5x4 --spp 4 -o "$folder/small.exr" --png "$folder/small.png" >/dev/null 2>&1
+"$mcvisi" render scenes/scratch.gltf --resolution 5x4 --spp 4 -o "$folder/small.exr" \
+    --png "$folder/small.png" >/dev/null 2>&1
 "$gallery" list | while read -r stem _; do
     ln "$folder/small.exr" "$folder/small/$stem.exr"
     ln "$folder/small.png" "$folder/small/$stem.png"

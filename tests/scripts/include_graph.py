@@ -9,6 +9,8 @@ The standard library alone. What is wrong:
 
 - a circle of includes between the folders of host/, include/ and kernels/, told with its files;
 - an include of host/cli outside of host/cli: the library does not know the command line;
+- an include in host/cli of anything but mcvisi/mcvisi.h, itself, the option list (host/options) and
+  its ground (host/core): the command line is a client of the public header;
 - an include that leads to no file;
 - a file of host/ or include/ above 400 lines, of kernels/ above 250, test programs not counted;
 - a line above 100 columns.
@@ -21,6 +23,8 @@ import tempfile
 
 MOST_LINES = {"host": 400, "include": 400, "kernels": 250}
 MOST_COLUMNS = 100
+PUBLIC = "mcvisi/mcvisi.h"
+CLIENT = ("host/options", "host/core")  # folders that host/cli may include from
 SUFFIXES = (".c", ".h", ".cl", ".cpp")
 INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.M)
 
@@ -76,6 +80,9 @@ class Tree:
         if source == target:
             return
         self.edges.setdefault(source, {}).setdefault(target, (name, include))
+        if source == "host/cli" and target not in CLIENT and include != PUBLIC:
+            self.fail('%s: includes "%s": the command line is a client of %s' %
+                      (name, include, PUBLIC))
         if target == "host/cli":
             self.fail('%s: includes "%s": nothing but host/cli knows the command line' %
                       (name, include))
@@ -123,6 +130,10 @@ PLANTED = (
      ("a circle: host/a", "host/b (", "host/c (", "include (")),
     ({"host/cli/options.h": "", "host/a/a.c": '#include "cli/options.h"\n'},
      ('host/a/a.c: includes "cli/options.h": nothing but host/cli',)),
+    ({"host/cli/a.c": '#include "render/r.h"\n', "host/render/r.h": ""},
+     ('host/cli/a.c: includes "render/r.h": the command line is a client of mcvisi/mcvisi.h',)),
+    ({"host/cli/a.c": '#include "mcvisi/events.h"\n', "include/mcvisi/events.h": ""},
+     ('host/cli/a.c: includes "mcvisi/events.h": the command line is a client',)),
     ({"host/a/a.c": '#include "none.h"\n'}, ('includes "none.h", which is no file',)),
     ({"host/a/a.c": "\n" * 401}, ("host/a/a.c: has 401 lines",)),
     ({"include/mcvisi/a.h": "\n" * 401}, ("include/mcvisi/a.h: has 401 lines",)),
@@ -131,7 +142,9 @@ PLANTED = (
 )
 SOUND = {"host/a/a.c": '#include "a.h"\n#include "b/b.h"\n', "host/a/a.h": "\n" * 400,
          "host/b/b.h": '#include "mcvisi/c.h"\n', "include/mcvisi/c.h": "/*" + "µ" * 98 + "\n",
-         "host/cli/d.c": '#include "a/a.h"\n', "kernels/e.cl": '#include "mcvisi/c.h"\n' * 250,
+         "host/cli/d.c": '#include "d.h"\n#include "options/o.h"\n#include "mcvisi/mcvisi.h"\n',
+         "host/cli/d.h": '#include "core/f.h"\n', "host/options/o.h": "", "host/core/f.h": "",
+         "include/mcvisi/mcvisi.h": "", "kernels/e.cl": '#include "mcvisi/c.h"\n' * 250,
          "kernels/test/f.cl": "\n" * 251}
 
 

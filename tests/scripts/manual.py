@@ -28,10 +28,10 @@ def output(*command, **options):
 
 def known_options(program):
     """Each verb with its options, and each option with its words or None."""
-    verbs = re.findall(r"^  mcvisi ([a-z]+)", output(program, "help"), re.M)
+    verbs = re.findall(r"^  mcvisi ([a-z][a-z-]+)", output(program, "help"), re.M)
     schemas = {v: json.loads(output(program, "help", v, "--json"))["properties"] for v in verbs}
     # An experiment has three keys of its own beside the options of sweep.
-    for key in ("rig", "note", "fingerprint"):
+    for key in ("rig", "fingerprint"):
         schemas["sweep"].pop(key)
     return {v: {o: s.get("enum") for o, s in schema.items()} for v, schema in schemas.items()}
 

@@ -4,6 +4,7 @@ Parts as they come out of CAD programs and Blender, for the tests of rigs: parts
 
     bracket.stl   an angle of sheet metal with two bores [mm], binary
     cover.stl     a shell of clear plastic on a flange, as over an instrument [mm], ASCII
+    weak.stl      a plano-convex lens of 1292 mm radius, 50 mm wide [mm], binary
     vial.glb      a vial of glass with water in it and a cap. Materials and nodes have the names
                   that Blender exports. The glass has no thickness, so that it is read as a thin
                   sheet. The exporter's extras contain U+0000.
@@ -106,6 +107,16 @@ def cover():
     ]
     profile += [(25.0, -2.0), (25.0, 0.0), (half, 0.0)]
     profile += [(outer * math.sin(a), outer * math.cos(a) - base) for a in outside[-2::-1]]
+    return lathe(profile)
+
+
+def weak_lens():
+    """Its focal length is 2.5 m at an index of 1.5168. Facets meet at 0.05 degrees."""
+    radius, half, count = 1292.0, 25.0, 24
+    heights = [half * k / count for k in range(count + 1)]
+    edge = radius - math.sqrt(radius**2 - half**2)
+    profile = [(0.0, -2.0), (half, -2.0)]
+    profile += [(h, math.sqrt(radius**2 - h**2) - radius + edge) for h in heights[::-1]]
     return lathe(profile)
 
 
@@ -280,6 +291,7 @@ def vial():
 def main():
     folder = sys.argv[1]
     write_stl(os.path.join(folder, "bracket.stl"), bracket())
+    write_stl(os.path.join(folder, "weak.stl"), weak_lens())
     write_ascii_stl(os.path.join(folder, "cover.stl"), cover())
     with open(os.path.join(folder, "vial.glb"), "wb") as file:
         file.write(vial())

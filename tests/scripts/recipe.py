@@ -9,6 +9,7 @@ The first line writes the bracket. Where trimesh and manifold3d can be imported 
 that CAD library goes the same way. Only --time is replaced, by --spp 16, so that the noise does not
 depend on the machine. The quick start must hold the same lines.
 """
+
 import json
 import math
 import os
@@ -39,7 +40,10 @@ def commands_of(page):
 def run(program, words):
     result = subprocess.run([program] + words, capture_output=True, text=True)
     if result.returncode != 0:
-        sys.exit("mcvisi %s: exit code %d\n%s%s" % (" ".join(words), result.returncode, result.stdout, result.stderr))
+        sys.exit(
+            "mcvisi %s: exit code %d\n%s%s"
+            % (" ".join(words), result.returncode, result.stdout, result.stderr)
+        )
     return result.stdout
 
 
@@ -48,7 +52,7 @@ def render(program, lines):
         words = line[1:]
         if "--time" in words:
             at = words.index("--time")
-            words[at:at + 2] = ["--spp", "16"]
+            words[at : at + 2] = ["--spp", "16"]
         run(program, words)
 
 
@@ -56,11 +60,21 @@ failures = []
 
 
 def compare(what, measured, predicted, slack=0.0):
-    """measured: {"value", "uncertainty"} [m]; a right program misses ± 4 uncertainties once in 16000 figures."""
+    """measured: {"value", "uncertainty"} [m]; a right program misses ± 4 uncertainties once in
+    16000 figures."""
     off = measured["value"] - predicted
     bound = 4 * measured["uncertainty"] + slack
-    print("  %-40s %.5f ± %.5f mm, predicted %.5f mm, off %+.2f µm, bound %.2f µm"
-          % (what, 1e3 * measured["value"], 1e3 * measured["uncertainty"], 1e3 * predicted, 1e6 * off, 1e6 * bound))
+    print(
+        "  %-40s %.5f ± %.5f mm, predicted %.5f mm, off %+.2f µm, bound %.2f µm"
+        % (
+            what,
+            1e3 * measured["value"],
+            1e3 * measured["uncertainty"],
+            1e3 * predicted,
+            1e6 * off,
+            1e6 * bound,
+        )
+    )
     if not abs(off) <= bound:
         failures.append(what)
 
@@ -69,7 +83,14 @@ def growth_of(program, rig):
     """What check says that an edge grows [m]; by hand 2/(3π) a T, a = m/(2N)."""
     sensor = json.loads(run(program, ["check", rig, "--json"]))["sensors"][0]
     growth = sensor["silhouettes"]["growth_of_edge"]["value"]
-    by_hand = 2 / (3 * math.pi) * sensor["magnification"] / (2 * sensor["fNumber"]) * CAD["thickness"] * 1e-3
+    by_hand = (
+        2
+        / (3 * math.pi)
+        * sensor["magnification"]
+        / (2 * sensor["fNumber"])
+        * CAD["thickness"]
+        * 1e-3
+    )
     if abs(growth / by_hand - 1) > 1e-6:
         sys.exit("check says that an edge grows by %g m, not by %g m" % (growth, by_hand))
     return growth
@@ -78,7 +99,10 @@ def growth_of(program, rig):
 def measured_by(program, words):
     """The lists of the report, by name."""
     report = json.loads(run(program, words + ["--json"]))
-    return {kind: {entry["name"]: entry for entry in report.get(kind, [])} for kind in ("distances", "circles")}
+    return {
+        kind: {entry["name"]: entry for entry in report.get(kind, [])}
+        for kind in ("distances", "circles")
+    }
 
 
 def measure(program, line):
@@ -92,15 +116,26 @@ def measure(program, line):
         chosen = words if nominal else [word for word in words if word != "--nominal"]
         found = measured_by(program, chosen)
         grown = 0 if nominal else growth
-        compare("width" + (", nominal" if nominal else ""), found["distances"]["left to right"]["length"],
-                1e-3 * CAD["width"] + 2 * grown, 0 if nominal else 0.02 * growth)
+        compare(
+            "width" + (", nominal" if nominal else ""),
+            found["distances"]["left to right"]["length"],
+            1e-3 * CAD["width"] + 2 * grown,
+            0 if nominal else 0.02 * growth,
+        )
         for name, diameter in (("bore", CAD["bore"]), ("a", CAD["hole"]), ("b", CAD["hole"])):
-            compare("diameter of %s%s" % (name, ", nominal" if nominal else ""), found["circles"][name]["diameter_length"],
-                    1e-3 * diameter - 2 * grown, 0 if nominal else 0.02 * growth)
+            compare(
+                "diameter of %s%s" % (name, ", nominal" if nominal else ""),
+                found["circles"][name]["diameter_length"],
+                1e-3 * diameter - 2 * grown,
+                0 if nominal else 0.02 * growth,
+            )
         # From the bore to each hole; growth moves no centre.
         for name in ("a", "b"):
-            compare("bore to %s%s" % (name, ", nominal" if nominal else ""), found["distances"]["bore to " + name]["length"],
-                    1e-3 * math.hypot(CAD["pitch_x"], CAD["pitch_y"]) / 2)
+            compare(
+                "bore to %s%s" % (name, ", nominal" if nominal else ""),
+                found["distances"]["bore to " + name]["length"],
+                1e-3 * math.hypot(CAD["pitch_x"], CAD["pitch_y"]) / 2,
+            )
 
 
 def check_bracket(program, lines, what):
@@ -131,12 +166,17 @@ def main():
     else:
         plate = trimesh.creation.box((CAD["width"], CAD["height"], CAD["thickness"]))
         plate.apply_translation((0, 0, CAD["thickness"] / 2))
-        places = [(0, 0, CAD["bore"])] + [(sx * CAD["pitch_x"] / 2, sy * CAD["pitch_y"] / 2, CAD["hole"])
-                                          for sx in (-1, 1) for sy in (-1, 1)]
+        places = [(0, 0, CAD["bore"])] + [
+            (sx * CAD["pitch_x"] / 2, sy * CAD["pitch_y"] / 2, CAD["hole"])
+            for sx in (-1, 1)
+            for sy in (-1, 1)
+        ]
         step = 2 * math.pi / CAD["segments"]
         for x, y, diameter in places:
             radius = diameter / 2 * math.sqrt(step / math.sin(step))
-            drill = trimesh.creation.cylinder(radius, 3 * CAD["thickness"], sections=CAD["segments"])
+            drill = trimesh.creation.cylinder(
+                radius, 3 * CAD["thickness"], sections=CAD["segments"]
+            )
             drill.apply_translation((x, y, CAD["thickness"] / 2))
             plate = plate.difference(drill, engine="manifold")
         os.remove("part-telecentric.gltf")

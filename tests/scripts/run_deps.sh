@@ -1,6 +1,7 @@
 #!/bin/sh
 # SPDX-License-Identifier: Apache-2.0
-# run_deps.sh RUN FOLDER: what `./run deps` does, with the system's commands replaced by ones that tell what was asked of them.
+# run_deps.sh RUN FOLDER: what `./run deps` does, with the system's commands replaced by ones that
+# tell what was asked of them.
 set -eu
 run=$1
 bin=$2/run_deps
@@ -16,7 +17,8 @@ stub() {
     chmod +x "$bin/$name"
 }
 
-# expect WHAT EXIT CALLS OUTPUT: runs `./run deps test`; CALLS is all that was asked of apt-get, OUTPUT a pattern of standard output.
+# expect WHAT EXIT CALLS OUTPUT: runs `./run deps test`; CALLS is all that was asked of apt-get,
+# OUTPUT a pattern of standard output.
 expect() {
     : >"$log"
     code=0

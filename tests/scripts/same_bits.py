@@ -2,13 +2,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """Every shipped scene, small, in both schedules, has the pixels that it had.
 
-A change of structure must change no bit of an image. The digests of known devices lie in same_bits.json, beside the
-commit that made them. Elsewhere the script builds that commit and renders with it, too.
+A change of structure must change no bit of an image. The digests of known devices lie in
+same_bits.json, beside the commit that made them. Elsewhere the script builds that commit and
+renders with it, too.
 
     same_bits.py PROGRAM            compare; exit code 1 where an image differs
-    same_bits.py PROGRAM --write    write the digests of this device (after a mended fault: say the reason in the commit)
+    same_bits.py PROGRAM --write    write the digests of this device (after a mended fault,
+                                    whose reason stands in the commit)
     same_bits.py PROGRAM --scenes caustic,prism    only these
 """
+
 import argparse
 import functools
 import hashlib
@@ -51,7 +54,8 @@ def read_header(data, at):
 
 
 def pixels_digest(path):
-    """Of the pixels of all parts, decompressed; headers hold times and versions and are left out."""
+    """Of the pixels of all parts, decompressed; headers hold times and versions and are left
+    out."""
     data = path.read_bytes()
     if not struct.unpack_from("<i", data, 4)[0] & MULTI_PART:
         sys.exit(f"same_bits: {path}: expected an OpenEXR file of several parts")
@@ -75,33 +79,62 @@ def pixels_digest(path):
 
 
 def scenes(names):
-    found = sorted(p for p in (ROOT / "scenes").iterdir() if p.suffix in (".gltf", ".glb") and p.stem not in PARTS_ONLY)
+    found = sorted(
+        p
+        for p in (ROOT / "scenes").iterdir()
+        if p.suffix in (".gltf", ".glb") and p.stem not in PARTS_ONLY
+    )
     return [p for p in found if not names or p.stem in names]
 
 
 @functools.cache
 def light_paths_by_rule(program):
     """A pilot decides how many light paths a render has: here what they bring is compared."""
-    known = subprocess.run([program, "help", "render"], stdout=subprocess.PIPE, text=True, check=False).stdout
-    return ["--light-paths", "on"] if "--light-paths" in known else []  # older programs follow the rule
+    known = subprocess.run(
+        [program, "help", "render"], stdout=subprocess.PIPE, text=True, check=False
+    ).stdout
+    return (
+        ["--light-paths", "on"] if "--light-paths" in known else []
+    )  # older programs follow the rule
 
 
 def render(program, scene, sensor, schedule, folder):
     """What the program says of a small image, whose digest is to be taken."""
-    command = [program, "render", str(scene), "--sensor", sensor["name"], "--schedule", schedule, *OPTIONS]
+    command = [
+        program,
+        "render",
+        str(scene),
+        "--sensor",
+        sensor["name"],
+        "--schedule",
+        schedule,
+        *OPTIONS,
+    ]
     command += [*light_paths_by_rule(program), "-o", str(pathlib.Path(folder) / "image.exr")]
     small = ["--resolution", RESOLUTIONS.get(sensor["type"], RESOLUTION)]
     for options in (small, []):
-        done = subprocess.run(command + options, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, check=False)
+        done = subprocess.run(
+            command + options,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+            check=False,
+        )
         if done.returncode == 0:
             return json.loads(done.stdout)
-        if done.returncode != WRONG_USAGE:  # sensors with a region of interest or binning keep their size
+        if (
+            done.returncode != WRONG_USAGE
+        ):  # sensors with a region of interest or binning keep their size
             break
-    return sys.exit(f"same_bits: {' '.join(command)}: exit code {done.returncode}: {done.stderr.strip()}")
+    return sys.exit(
+        f"same_bits: {' '.join(command)}: exit code {done.returncode}: {done.stderr.strip()}"
+    )
 
 
 def sensors(program, scene):
-    check = subprocess.run([program, "check", str(scene), "--json"], stdout=subprocess.PIPE, text=True, check=True)
+    check = subprocess.run(
+        [program, "check", str(scene), "--json"], stdout=subprocess.PIPE, text=True, check=True
+    )
     return json.loads(check.stdout)["sensors"]
 
 
@@ -124,14 +157,27 @@ def build_base(commit):
     """The program of the recorded commit, in build/same_bits."""
     tree = ROOT / "build" / "same_bits"
     if not tree.exists():
-        subprocess.run(["git", "-C", str(ROOT), "worktree", "add", "--detach", str(tree), commit], check=True)
-    subprocess.run(["cmake", "--preset", "release", "-DMCV_TESTS=OFF"], cwd=tree, check=True, stdout=subprocess.DEVNULL)
-    subprocess.run(["cmake", "--build", "--preset", "release", "--target", "mcvisi_program"], cwd=tree, check=True)
+        subprocess.run(
+            ["git", "-C", str(ROOT), "worktree", "add", "--detach", str(tree), commit], check=True
+        )
+    subprocess.run(
+        ["cmake", "--preset", "release", "-DMCV_TESTS=OFF"],
+        cwd=tree,
+        check=True,
+        stdout=subprocess.DEVNULL,
+    )
+    subprocess.run(
+        ["cmake", "--build", "--preset", "release", "--target", "mcvisi_program"],
+        cwd=tree,
+        check=True,
+    )
     return str(tree / "build" / "release" / "mcvisi")
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("program")
     parser.add_argument("--write", action="store_true")
     parser.add_argument("--scenes", default="")
@@ -140,7 +186,12 @@ def main():
     record = json.loads(RECORD.read_text()) if RECORD.exists() else {"commit": "", "devices": {}}
     device, digests = all_digests(arguments.program, names, lambda line: print(line, flush=True))
     if arguments.write:
-        commit = subprocess.run(["git", "-C", str(ROOT), "rev-parse", "HEAD"], stdout=subprocess.PIPE, text=True, check=True)
+        commit = subprocess.run(
+            ["git", "-C", str(ROOT), "rev-parse", "HEAD"],
+            stdout=subprocess.PIPE,
+            text=True,
+            check=True,
+        )
         record["commit"] = record["commit"] or commit.stdout.strip()
         record["devices"].setdefault(device, {}).update(digests)
         RECORD.write_text(json.dumps(record, indent=1, sort_keys=True) + "\n")

@@ -6,6 +6,7 @@ tutorials_notice.py TUTORIALS.py FOLDER
 
 The pages need no renderer: their blocks print what a program would.
 """
+
 import os
 import struct
 import subprocess
@@ -55,19 +56,28 @@ FAULTS = [
 
 def write_png(path, width, level):
     def chunk(kind, data):
-        return struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+        return (
+            struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+        )
 
     rows = b"".join(b"\x00" + bytes([level]) * width for _ in range(8))
     with open(path, "wb") as file:
-        file.write(b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", struct.pack(">IIBBBBB", width, 8, 8, 0, 0, 0, 0))
-                   + chunk(b"IDAT", zlib.compress(rows)) + chunk(b"IEND", b""))
+        file.write(
+            b"\x89PNG\r\n\x1a\n"
+            + chunk(b"IHDR", struct.pack(">IIBBBBB", width, 8, 8, 0, 0, 0, 0))
+            + chunk(b"IDAT", zlib.compress(rows))
+            + chunk(b"IEND", b"")
+        )
 
 
 def passes(script, text, folder):
     with open("page.md", "w", encoding="utf-8") as file:
         file.write(text)
-    result = subprocess.run([sys.executable, "-B", script, "mcvisi", ".", "page.md", folder],
-                            capture_output=True, text=True)
+    result = subprocess.run(
+        [sys.executable, "-B", script, "mcvisi", ".", "page.md", folder],
+        capture_output=True,
+        text=True,
+    )
     return result.returncode == 0, result.stdout + result.stderr
 
 

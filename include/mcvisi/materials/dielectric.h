@@ -46,17 +46,9 @@
 #include "mcvisi/materials/material.h"
 
 #define MCV_DIELECTRIC_PARAMS(X) \
-    X(spectrum, ior, 1.5, 1, 10, "refractive index n; with an abbeNumber, n at the d line") \
-    X(spectrum, absorption, 0, 0, 1e30, \
-      "absorption coefficient σ: transmittance exp(-σ d) over a path d [1/m]") \
-    X(number, priority, 0, -1000, 1000, \
-      "where bodies overlap, the one with the larger priority fills the space (an integer)") \
+    MCV_MEDIUM_PARAMS(X) \
     MCV_ROUGHNESS_PARAMS(X, 0) \
     X(number, coating, 0, 0, 1, \
-      "reflectance at normal incidence of a coating, against gas or vacuum; 0: none") \
-    X(choice, glass, 0, 0, 25, \
-      "glass of the catalogue; its index is taken at the scene's wavelengths") \
-    X(number, abbeNumber, 0, 0, 1e30, \
-      "V_d = (n_d - 1)/(n_F - n_C), which makes n depend on the wavelength; 0: no dispersion")
+      "reflectance at normal incidence of a coating, against gas or vacuum; 0: none")
 
 #endif

@@ -13,7 +13,8 @@
  *     mcv_<name>              of MCV_SCATTERERS and MCV_PLATES: what the device needs beside the
  *                             reflectance or transmittance
  *     its optics              for the device; kernels/bsdf/ combines it with the path
- * and one line in MCV_SCATTERERS, MCV_PLATES or MCV_MATERIALS (mcvisi/elements.h).
+ * and one line in MCV_SCATTERERS, MCV_PLATES or MCV_MATERIALS (mcvisi/elements.h). A material that
+ * fills a body is in MCV_MEDIUM_MATERIALS, too.
  */
 #ifndef MCVISI_MATERIALS_MATERIAL_H
 #define MCVISI_MATERIALS_MATERIAL_H
@@ -21,6 +22,18 @@
 #include "mcvisi/interface.h"
 #include "mcvisi/params.h"
 #include "mcvisi/sampling.h"
+
+/* Parameters of the medium that fills a body: the first ones of its material. */
+#define MCV_MEDIUM_PARAMS(X) \
+    X(spectrum, ior, 1.5, 1, 10, "refractive index n; with an abbeNumber, n at the d line") \
+    X(spectrum, absorption, 0, 0, 1e30, \
+      "absorption coefficient σ: transmittance exp(-σ d) over a path d [1/m]") \
+    X(number, priority, 0, -1000, 1000, \
+      "where bodies overlap, the one with the larger priority fills the space (an integer)") \
+    X(choice, glass, 0, 0, 25, \
+      "glass of the catalogue; its index is taken at the scene's wavelengths") \
+    X(number, abbeNumber, 0, 0, 1e30, \
+      "V_d = (n_d - 1)/(n_F - n_C), which makes n depend on the wavelength; 0: no dispersion")
 
 /* Parameters of a surface that may consist of microfacets. */
 #define MCV_ROUGHNESS_PARAMS(X, smoothest) \

@@ -36,14 +36,9 @@ MCV_FUNCTION mcv_scattering mcv_scatter_diffusing_film(mcv_world world, mcv_inte
                                                        float choice) {
     const mcv_vec3 direction = mcv_retroreflector_sample(
         world.materials[material].as.diffusing_film.spread, interaction.direction, pair.x, pair.y);
-    const mcv_response response =
-        mcv_respond_diffusing_film(world, interaction, material, media, direction);
-    mcv_scattering scattering = mcv_scatter_into(direction, media, MCV_EVENT_END);
     (void)choice;
-    scattering.density = response.density;
-    scattering.factor =
-        response.density > 0.0f ? mcv_dim(response.value, 1.0f / response.density) : mcv_grey(0.0f);
-    return scattering;
+    return mcv_scatter_by(
+        direction, mcv_respond_diffusing_film(world, interaction, material, media, direction));
 }
 #endif
 

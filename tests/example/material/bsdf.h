@@ -38,14 +38,9 @@ MCV_FUNCTION mcv_scattering mcv_scatter_lunar_lambert(mcv_world world, mcv_inter
                                                       float choice) {
     const mcv_vec3 direction =
         mcv_normalize(mcv_from_frame(mcv_sample_cosine(pair.x, pair.y), interaction.normal));
-    const mcv_response response =
-        mcv_respond_lunar_lambert(world, interaction, material, media, direction);
-    mcv_scattering scattering = mcv_scatter_into(direction, media, MCV_EVENT_END);
     (void)choice;
-    scattering.density = response.density;
-    scattering.factor =
-        response.density > 0.0f ? mcv_dim(response.value, 1.0f / response.density) : mcv_grey(0.0f);
-    return scattering;
+    return mcv_scatter_by(
+        direction, mcv_respond_lunar_lambert(world, interaction, material, media, direction));
 }
 #endif
 

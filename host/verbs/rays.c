@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "cli/rays.h"
+#include "verbs/rays.h"
 
 #include <ctype.h>
 #include <errno.h>

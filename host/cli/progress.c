@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "report/progress.h"
+#include "cli/progress.h"
 
 #include "core/basics.h"
 
@@ -35,8 +35,7 @@ static void format_duration(char *text, size_t size, double seconds) {
     }
 }
 
-bool mcv_progress_report(void *user, double fraction, double seconds, double error) {
-    mcv_progress_line *line = user;
+bool mcv_progress_report(mcv_progress_line *line, double fraction, double seconds, double error) {
     const bool go_on = !line->stop || *line->stop == 0;
     if (!line->begun && !isnan(fraction)) {
         line->begun = true;

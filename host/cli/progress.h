@@ -3,12 +3,11 @@
  * Progress of a render with the time left: on a terminal one line that rewrites itself, elsewhere a
  * plain line every 10 s. Without colours or escape sequences, so NO_COLOR is always honoured.
  */
-#ifndef MCVISI_HOST_REPORT_PROGRESS_H
-#define MCVISI_HOST_REPORT_PROGRESS_H
-
-#include "render/render.h"
+#ifndef MCVISI_HOST_CLI_PROGRESS_H
+#define MCVISI_HOST_CLI_PROGRESS_H
 
 #include <signal.h>
+#include <stdbool.h>
 #include <stdio.h>
 
 typedef struct mcv_progress_line {
@@ -27,9 +26,9 @@ typedef struct mcv_progress_line {
 /* A line on stderr; it counts as a terminal if its cursor can return to the start of the line. */
 mcv_progress_line mcv_progress_stderr(const char *label, const volatile sig_atomic_t *stop);
 
-/* An mcv_pass_told whose user is the mcv_progress_line. error: relative, so far; NaN or 0: not
- * known. */
-mcv_pass_told mcv_progress_report;
+/* Tells how far the render is: fraction 0 … 1, NaN while kernels are compiled; seconds so far;
+ * error: relative, so far; NaN or 0: not known. False where it must stop. */
+bool mcv_progress_report(mcv_progress_line *line, double fraction, double seconds, double error);
 
 /* Clears the line on the terminal. */
 void mcv_progress_end(mcv_progress_line *line);

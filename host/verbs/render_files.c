@@ -1,14 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "cli/picture.h"
+#include "verbs/render_files.h"
 
-#include "cli/camera.h"
+#include "verbs/grey_files.h"
 #include "scene/sensor_find.h"
 #include "core/basics.h"
 #include "core/output_file.h"
 #include "scene/sensors.h"
 
 #include <ctype.h>
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -40,7 +39,6 @@ mcv_result mcv_render_files_plan(const mcv_command *command, const mcv_scene *sc
     uint32_t width, height;
     char label[128];
     const bool irradiance = mcv_sensor_measures_irradiance(scene->sensors + sensor);
-    picture->unit = mcv_rendered_unit(scene, sensor);
 
     mcv_sensor_film_size(scene->sensors + sensor, &width, &height);
     if (width > MCV_EXR_MAX_SIDE || height > MCV_EXR_MAX_SIDE)
@@ -63,7 +61,7 @@ mcv_result mcv_render_files_plan(const mcv_command *command, const mcv_scene *sc
     picture->grey[0] = '\0';
     if (command->camera) {
         MCV_TRY(make_path(picture->grey, command->camera, suffix, NULL, error));
-        MCV_TRY(mcv_camera_check(command, picture->grey, error));
+        MCV_TRY(mcv_grey_check_file(command, picture->grey, error));
         if (!irradiance && command->electrons_per_unit[0] == 0 && command->expose_to == 0)
             return mcv_fail(error, MCV_BAD_INPUT,
                             "%s: sensor %s measures radiance, which --exposure-time cannot convert "
@@ -92,41 +90,67 @@ mcv_result mcv_render_files_plan(const mcv_command *command, const mcv_scene *sc
     return MCV_OK;
 }
 
-/* --- what is needed to repeat a render --- */
-
-/* FNV-1a, 64 bits, of a file's bytes. */
-static mcv_result hash_file(const char *path, uint64_t *hash, mcv_error *error) {
-    unsigned char bytes[65536];
-    FILE *file = fopen(path, "rb");
-    if (!file) return mcv_fail(error, MCV_BAD_INPUT, "%s: %s", path, strerror(errno));
-    *hash = MCV_HASH_BEGIN;
-    for (size_t count; (count = fread(bytes, 1, sizeof bytes, file)) > 0;)
-        *hash = mcv_hash_bytes(*hash, bytes, count);
-    const bool failed = ferror(file);
-    fclose(file);
-    return failed ? mcv_fail(error, MCV_BAD_INPUT, "%s: cannot be read completely", path) : MCV_OK;
+mcv_result mcv_render_files_check(const mcv_command *command, const mcv_scene *scene,
+                                  uint32_t first, uint32_t count, mcv_error *error) {
+    mcv_render_files files, earlier;
+    for (uint32_t i = first; i < first + count; ++i) {
+        MCV_TRY(mcv_render_files_plan(command, scene, i, count > 1, &files, error));
+        for (uint32_t j = first; j < i; ++j) {
+            MCV_TRY(mcv_render_files_plan(command, scene, j, count > 1, &earlier, error));
+            if (strcmp(files.exr, earlier.exr) == 0)
+                return mcv_fail(error, MCV_BAD_INPUT,
+                                "%s would be the image of both sensors, %s and %s: rename one, or "
+                                "choose one by --sensor",
+                                files.exr, scene->sensors[j].name, scene->sensors[i].name);
+        }
+    }
+    return MCV_OK;
 }
 
-mcv_result mcv_render_files_write(const mcv_render_files *files, const mcv_command *command,
-                                  const mcv_scene *scene, uint32_t sensor,
-                                  const mcv_render_options *options, const mcv_film *film,
-                                  const mcv_render_stats *stats, mcv_preview *preview,
-                                  mcv_error *error) {
+mcv_result mcv_render_sensors(const mcv_command *command, mcv_scene *scene, uint32_t *first,
+                              uint32_t *count, mcv_error *error) {
+    *first = 0;
+    *count = scene->sensor_count;
+    if (command->sensor) {
+        MCV_TRY(mcv_sensor_find(scene, command->sensor, first, error));
+        *count = 1;
+    }
+    for (uint32_t i = *first; command->resolution[0] && i < *first + *count; ++i)
+        MCV_TRY(mcv_sensor_resize(scene->sensors + i, command->resolution[0],
+                                  command->resolution[1], scene, error));
+    return MCV_OK;
+}
+
+/* --- what is written --- */
+
+mcv_result mcv_render_files_write(const mcv_render_files *files, const mcv_rendered *rendered,
+                                  mcv_preview *preview, mcv_error *error) {
     mcv_exr exr;
-    mcv_rendered rendered = {.scene = scene,
-                             .sensor = sensor,
-                             .options = options,
-                             .film = film,
-                             .stats = stats,
-                             .set = {command->set.items, command->set.count},
-                             .replicates = command->parts != 0};
-    MCV_TRY(hash_file(scene->path, &rendered.hash, error));
-    MCV_TRY(mcv_rendered_develop(&rendered, &exr, error));
+    MCV_TRY(mcv_rendered_develop(rendered, &exr, error));
     mcv_result result = mcv_exr_write(files->exr, exr.parts, exr.part_count, exr.attributes,
                                       exr.attribute_count, error);
     if (result == MCV_OK)
-        result =
-            mcv_png_write_preview(files->png, &exr.parts[0].image, files->unit, preview, error);
+        result = mcv_png_write_preview(files->png, &exr.parts[0].image,
+                                       mcv_rendered_unit(rendered->scene, rendered->sensor),
+                                       preview, error);
     mcv_exr_free(&exr);
+    return result;
+}
+
+mcv_result mcv_render_files_expose(const mcv_command *command, const mcv_render_files *files,
+                                   mcv_report *report, mcv_error *error) {
+    mcv_exr light, grey;
+    mcv_read_out out;
+    MCV_TRY(mcv_exr_read(files->exr, &light, error));
+    mcv_result result = mcv_grey_make(command, files->exr, &light, &out, &grey, error);
+    if (result == MCV_OK) {
+        result = mcv_grey_save(command, &light, &grey, files->grey, error);
+        if (result == MCV_OK && report->json)
+            mcv_grey_warn(files->grey, &grey, &out, report);
+        else if (result == MCV_OK)
+            mcv_grey_tell(command, files->grey, &grey, &out, report);
+        mcv_exr_free(&grey);
+    }
+    mcv_exr_free(&light);
     return result;
 }

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Rays in a text file, one per line. */
-#ifndef MCVISI_HOST_CLI_RAYS_H
-#define MCVISI_HOST_CLI_RAYS_H
+#ifndef MCVISI_HOST_VERBS_RAYS_H
+#define MCVISI_HOST_VERBS_RAYS_H
 
 #include "render/render.h"
 

@@ -1,0 +1,169 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Renders of the public interface into files. */
+#include "verbs/render_files.h"
+
+#include "api/rendering.h"
+#include "check/findings.h"
+#include "core/basics.h"
+#include "scene/sensor_find.h"
+#include "verbs/grey_picture.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+/* A call, with what it tells. */
+typedef struct files_call {
+    mcv_rendering rendering;
+    mcv_told_call *told; /* or NULL */
+    mcv_session *session;
+    const mcv_command *command;
+    double seconds_load;
+} files_call;
+
+/* Takes the text. */
+static void tell_text(files_call *c, char *text) {
+    if (c->told) {
+        mcv_border_leave(c->rendering.host);
+        if (!c->told(c->rendering.user, text)) c->rendering.stopped = true;
+        c->rendering.host = mcv_border_enter();
+    }
+    free(text);
+}
+
+/* Takes the report; one that says nothing is not told. */
+static mcv_result tell_report(files_call *c, mcv_report *report, bool silent, mcv_error *error) {
+    char *text;
+    if (silent) {
+        mcv_report_free(report);
+        return MCV_OK;
+    }
+    MCV_TRY(mcv_report_take(report, &text, error));
+    tell_text(c, text);
+    return MCV_OK;
+}
+
+/* Errors and warnings, before hours are spent on a wrong scene. */
+static mcv_result tell_findings(files_call *c, const mcv_scene *scene, mcv_error *error) {
+    mcv_findings findings;
+    mcv_report report;
+    MCV_TRY(mcv_findings_of(scene, &findings, error));
+    const mcv_result result = mcv_report_keep(&report, c->command->json, error);
+    for (size_t i = 0; result == MCV_OK && i < findings.count; ++i)
+        if (findings.items[i].severity >= MCV_SEVERITY_WARNING)
+            mcv_report_tell(&report, mcv_severities[findings.items[i].severity],
+                            findings.items[i].sentence);
+    mcv_findings_free(&findings);
+    return result == MCV_OK ? tell_report(c, &report, json_array_size(report.notes) == 0, error)
+                            : result;
+}
+
+static mcv_result write_files(files_call *c, const mcv_render_files *files, mcv_error *error) {
+    const double begun = mcv_seconds();
+    mcv_summary summary = mcv_rendering_summary(&c->rendering, c->seconds_load);
+    char *text;
+    summary.image_path = files->exr;
+    summary.preview_path = files->png;
+    MCV_TRY(mcv_render_files_write(files, &c->rendering.rendered, &summary.preview, error));
+    summary.seconds_write = mcv_seconds() - begun;
+    MCV_TRY(c->command->json ? mcv_summary_json(&summary, &text, error)
+                             : mcv_summary_text(&summary, &text, error));
+    tell_text(c, text);
+    return MCV_OK;
+}
+
+static mcv_result expose(files_call *c, const mcv_render_files *files, mcv_error *error) {
+    mcv_report report;
+    MCV_TRY(mcv_report_keep(&report, c->command->json, error));
+    const mcv_result result = mcv_render_files_expose(c->command, files, &report, error);
+    if (result == MCV_OK)
+        return tell_report(c, &report, report.json && json_array_size(report.notes) == 0, error);
+    mcv_report_free(&report);
+    return result;
+}
+
+static mcv_result render_sensor(files_call *c, mcv_scene *scene, mcv_render_options options,
+                                uint32_t sensor, bool several, mcv_error *error) {
+    mcv_render_files files;
+    mcv_render_stats stats = {.stage_count = 0};
+    mcv_film film = {0};
+    mcv_rendering *r = &c->rendering;
+    MCV_TRY(mcv_render_files_plan(c->command, scene, sensor, several, &files, error));
+    r->begun = mcv_seconds();
+    mcv_sensor_label(scene, sensor, r->sensor, sizeof r->sensor);
+    mcv_rendering_tell(r, 0, INFINITY, false);
+    mcv_result result =
+        mcv_rendering_run(r, c->session, c->command, scene, sensor, &options, &film, &stats, error);
+    if (result == MCV_OK && film.samples == 0)
+        result = mcv_fail(error, MCV_INTERRUPTED, "%s: interrupted before its first sample",
+                          scene->path);
+    if (result == MCV_OK) {
+        mcv_rendering_tell(r, 1, mcv_film_relative_error(&film), true);
+        result = write_files(c, &files, error);
+    }
+    if (result == MCV_OK && files.grey[0]) result = expose(c, &files, error);
+    r->rendered = (mcv_rendered){
+        .set = r->rendered.set, .hash = r->rendered.hash, .replicates = r->rendered.replicates};
+    mcv_film_free(&film);
+    if (result != MCV_OK || !r->stopped) return result;
+    return mcv_fail(error, MCV_INTERRUPTED, "interrupted: what was rendered is saved in %s",
+                    files.exr);
+}
+
+static mcv_result render_scene(files_call *c, mcv_scene *scene, const mcv_render_options *options,
+                               mcv_error *error) {
+    uint32_t first, count;
+    MCV_TRY(tell_findings(c, scene, error));
+    MCV_TRY(mcv_render_sensors(c->command, scene, &first, &count, error));
+    MCV_TRY(mcv_render_files_check(c->command, scene, first, count, error));
+    for (uint32_t i = first; i < first + count; ++i)
+        MCV_TRY(render_sensor(c, scene, *options, i, count > 1, error));
+    return MCV_OK;
+}
+
+static mcv_result render_command(files_call *c, const mcv_rig *rig, mcv_error *error) {
+    const mcv_command *command = c->command;
+    const mcv_camera_settings camera = mcv_camera_settings_of(command);
+    mcv_render_options options;
+    mcv_scene *scene = NULL;
+    if (!command->camera && mcv_camera_wanted(&camera))
+        return mcv_fail(
+            error, MCV_USAGE,
+            "the exposure belongs to --camera FILE: give --camera, or leave the exposure out");
+    MCV_TRY(mcv_render_options_read(command, &options, error));
+    const double begun = mcv_seconds();
+    mcv_result result = mcv_rendering_changes(&c->rendering, rig, command, error);
+    if (result == MCV_OK) result = mcv_session_scene(c->session, rig, command, &scene, error);
+    c->seconds_load = rig->seconds + mcv_seconds() - begun;
+    if (result == MCV_OK) result = render_scene(c, scene, &options, error);
+    mcv_scene_free(scene);
+    free((void *)c->rendering.rendered.set.items);
+    return result;
+}
+
+static mcv_result render_files(files_call *c, const mcv_rig *rig, const char *text,
+                               mcv_error *error) {
+    const char *const arguments[2] = {rig->document.path};
+    mcv_options_given given;
+    MCV_TRY(mcv_options_read(text, c->session->defaults, MCV_VERB_RENDER, arguments, NULL, &given,
+                             error));
+    c->command = &given.command;
+    const mcv_result result = render_command(c, rig, error);
+    mcv_options_free(&given);
+    return result;
+}
+
+mcv_result mcv_session_render_files(mcv_session *session, const mcv_rig *rig, const char *options,
+                                    mcv_progress_call *progress, mcv_told_call *told, void *user,
+                                    mcv_error *error) {
+    MCV_NEED(session);
+    MCV_NEED(rig);
+    MCV_TRY(mcv_session_begin(session, error));
+    files_call c = {.rendering = {.call = progress, .user = user, .rig = rig},
+                    .told = told,
+                    .session = session};
+    c.rendering.host = mcv_border_enter();
+    const mcv_result result = render_files(&c, rig, options, error);
+    mcv_border_leave(c.rendering.host);
+    mcv_session_end(session);
+    return result;
+}

@@ -1,0 +1,37 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What both kinds of render of the public interface share: into memory, and into files. */
+#ifndef MCVISI_HOST_API_RENDERING_H
+#define MCVISI_HOST_API_RENDERING_H
+
+#include "api/handles.h"
+#include "report/summary.h"
+#include "verbs/render_picture.h"
+
+/* A render while it runs, for its callback. */
+typedef struct mcv_rendering {
+    mcv_progress_call *call; /* or NULL */
+    void *user;
+    locale_t host;
+    mcv_rendered rendered;
+    const mcv_rig *rig;
+    double begun;
+    char sensor[128]; /* its label */
+    bool stopped;     /* a callback has said so */
+} mcv_rendering;
+
+/* All that was set: in the rig, and for this render. The caller frees the items. */
+mcv_result mcv_rendering_changes(mcv_rendering *r, const mcv_rig *rig, const mcv_command *command,
+                                 mcv_error *error);
+
+/* Tells the callback how far it is. */
+void mcv_rendering_tell(mcv_rendering *r, double fraction, double error, bool writing);
+
+/* Renders a sensor into the film, which the caller frees, with what r->rendered needs of it. */
+mcv_result mcv_rendering_run(mcv_rendering *r, mcv_session *session, const mcv_command *command,
+                             const mcv_scene *scene, uint32_t sensor, mcv_render_options *options,
+                             mcv_film *film, mcv_render_stats *stats, mcv_error *error);
+
+/* What is told of it. The sensor's label and the scene's path are borrowed. */
+mcv_summary mcv_rendering_summary(const mcv_rendering *r, double seconds_load);
+
+#endif

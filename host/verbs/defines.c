@@ -1,0 +1,51 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The -D options that specialise OpenCL programs, a line for each program: what --defines tells. */
+#include "verbs/check.h"
+
+#include "render/render.h"
+#include "scene/sensors.h"
+
+#include <stdio.h>
+
+enum { SLICE = 512 }; /* of the tile schedule, with the renderer's choice for paths that split */
+
+static void print_defines(FILE *out, uint32_t features, uint32_t channels, uint32_t sensor_type) {
+    char options[1024];
+    mcv_feature_defines(features, channels, sensor_type, MCV_SAMPLER_SOBOL, SLICE, options,
+                        sizeof options);
+    fprintf(out, "%s\n", options);
+}
+
+static mcv_result print_scene(FILE *out, const mcv_command *command, const mcv_scene *scene,
+                              mcv_error *error) {
+    mcv_checked checked;
+    MCV_TRY(mcv_check_pack(command, scene, &checked, error));
+    print_defines(out, checked.packed.features, checked.packed.channels,
+                  scene->sensors[checked.sensor].type);
+    mcv_packed_free(&checked.packed);
+    return MCV_OK;
+}
+
+/* With all features that each type of sensor can have. */
+static void print_all(FILE *out) {
+    for (uint32_t type = 0; type < MCV_SENSOR_COUNT; ++type) {
+        const bool disk = type == MCV_SENSOR_THIN_LENS ||
+                          type == MCV_SENSOR_TELECENTRIC; /* pupil guiding needs a round pupil */
+        const uint32_t all = MCV_ALL_FEATURES;
+        print_defines(out, disk ? all : all & ~(1u << MCV_FEATURE_AIM), 3, type);
+    }
+}
+
+mcv_result mcv_check_defines(const mcv_command *command, const mcv_scene *scene, char **text,
+                             mcv_error *error) {
+    mcv_result result = MCV_OK;
+    size_t size;
+    *text = NULL;
+    FILE *out = open_memstream(text, &size);
+    if (out && scene)
+        result = print_scene(out, command, scene, error);
+    else if (out)
+        print_all(out);
+    if (!out || fclose(out) != 0) result = mcv_fail(error, MCV_FAILED, "no memory for the options");
+    return result;
+}
