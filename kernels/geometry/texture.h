@@ -40,6 +40,15 @@ typedef struct mcv_texture_place {
     float a, b;
 } mcv_texture_place;
 
+MCV_LOOP_FUNCTION mcv_color mcv_texel(mcv_world world, __global const mcv_device_texture *texture,
+                                      int x, int y) {
+    const uint texel = mcv_wrap(y, texture->height, texture->wrap_t) * texture->width +
+                       mcv_wrap(x, texture->width, texture->wrap_s);
+    mcv_color color;
+    MCV_EACH_CHANNEL(i) color.c[i] = mcv_texel_value(world, texture, texel, (uint)i);
+    return color;
+}
+
 MCV_LOOP_FUNCTION float mcv_limited(float x, float most) {
     const float below = x < most ? x : most;
     return below > -most ? below : -most;

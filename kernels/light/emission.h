@@ -17,7 +17,7 @@ MCV_FUNCTION mcv_color mcv_light_field_value(mcv_world world, mcv_surface surfac
     const float t = mcv_texcoord(world, surface, 1);
     if (!mcv_light_field_pixel(&e->light_field, s, t, direction, &column, &row))
         return mcv_grey(0.0f);
-    return mcv_texel(world, world.textures[e->texture], (int)column, (int)row);
+    return mcv_texel(world, world.textures + e->texture, (int)column, (int)row);
 }
 #endif
 
@@ -26,13 +26,13 @@ MCV_FUNCTION mcv_color mcv_light_field_value(mcv_world world, mcv_surface surfac
 MCV_FUNCTION mcv_color mcv_projector_value(mcv_world world, mcv_surface surface,
                                            __global const mcv_device_emitter *e,
                                            mcv_vec3 direction) {
-    const mcv_device_texture image = world.textures[e->texture];
+    __global const mcv_device_texture *image = world.textures + e->texture;
     float across, down;
     const float s = mcv_texcoord(world, surface, 0);
     const float t = mcv_texcoord(world, surface, 1);
     if (!mcv_projector_place(&e->projector, s, t, direction, &across, &down)) return mcv_grey(0.0f);
-    return mcv_texel(world, image, (int)mcv_cell(across, image.width),
-                     (int)mcv_cell(down, image.height));
+    return mcv_texel(world, image, (int)mcv_cell(across, image->width),
+                     (int)mcv_cell(down, image->height));
 }
 #endif
 

@@ -24,8 +24,9 @@ MCV_FUNCTION mcv_sky_pixel mcv_sky_pixel_at(__global const mcv_device_emitter *e
 MCV_FUNCTION mcv_color mcv_environment_radiance(mcv_world world,
                                                 __global const mcv_device_emitter *e,
                                                 mcv_sky_pixel pixel) {
-    return mcv_tint(mcv_texel(world, world.textures[e->texture], (int)pixel.column, (int)pixel.row),
-                    mcv_color_at(e->radiance));
+    return mcv_tint(
+        mcv_texel(world, world.textures + e->texture, (int)pixel.column, (int)pixel.row),
+        mcv_color_at(e->radiance));
 }
 
 /* The cumulative shares of a row's pixels; those of the rows come first. */
