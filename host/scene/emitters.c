@@ -15,9 +15,7 @@ double mcv_emitter_half_angle(const mcv_emitter *emitter) {
     return (double)NAN;
 }
 
-bool mcv_emitter_is_point_light(uint32_t type) {
-    return MCV_IS_EMITTER_OF(MCV_POINT_LIGHTS, type);
-}
+bool mcv_emitter_is_point_light(uint32_t type) { return MCV_IS_EMITTER_OF(MCV_POINT_LIGHTS, type); }
 
 bool mcv_emitter_is_surface_light(uint32_t type) {
     return MCV_IS_EMITTER_OF(MCV_SURFACE_LIGHTS, type);

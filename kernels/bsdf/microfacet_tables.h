@@ -195,7 +195,8 @@ MCV_LOOP_FUNCTION mcv_color mcv_gloss_multiple(const mcv_device_gloss *m, const 
     }
     const mcv_multiple_place place = mcv_find_multiple(MCV_MULTIPLE_COSINES, o, i);
     if (gloss->type == MCV_MATERIAL_CONDUCTOR) {
-        MCV_EACH_CHANNEL(c) multiple.c[c] = mcv_metal_word(m, gloss->layer, table + c, place);
+        /* No image changes its roughness. */
+        MCV_EACH_CHANNEL(c) multiple.c[c] = mcv_multiple_word(table + c, place);
         return multiple;
     }
     const float square = mcv_metal_word(m, gloss->layer, table, place);

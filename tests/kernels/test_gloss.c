@@ -112,7 +112,8 @@ static bench open_bench(const subject *s, bool inside, bool with_reference) {
         BUILD(mcv_pack(scene, NULL, &made[number].packed, &builder_error));
     }
     if (with_reference && made[number].tables.count == 0)
-        BUILD(ref_gloss_tables_new(made[number].scene, false, &made[number].tables, &builder_error));
+        BUILD(
+            ref_gloss_tables_new(made[number].scene, false, &made[number].tables, &builder_error));
     bench b = {.scene = made[number].scene, .tables = made[number].tables};
     const mcv_packed packed = made[number].packed;
     const double scale = s->scale > 0 ? s->scale : 1,
