@@ -26,13 +26,15 @@ static mcv_result print_scene(FILE *out, const mcv_command *command, const mcv_s
     return MCV_OK;
 }
 
-/* With all features that each type of sensor can have. */
+/* With all features that each type of sensor can have. A scene chooses emitters by reach or by a
+ * light tree. */
 static void print_all(FILE *out) {
+    static const uint32_t choices[] = {1u << MCV_FEATURE_REACH, 1u << MCV_FEATURE_LIGHT_TREE};
     for (uint32_t type = 0; type < MCV_SENSOR_COUNT; ++type) {
         const bool disk = type == MCV_SENSOR_THIN_LENS ||
                           type == MCV_SENSOR_TELECENTRIC; /* pupil guiding needs a round pupil */
-        const uint32_t all = MCV_ALL_FEATURES;
-        print_defines(out, disk ? all : all & ~(1u << MCV_FEATURE_AIM), 3, type);
+        const uint32_t all = disk ? MCV_ALL_FEATURES : MCV_ALL_FEATURES & ~(1u << MCV_FEATURE_AIM);
+        for (int other = 0; other < 2; ++other) print_defines(out, all & ~choices[other], 3, type);
     }
 }
 

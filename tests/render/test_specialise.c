@@ -50,6 +50,7 @@ static const struct {
     {"materials/conductor.h", 0},
     {"materials/metallic_roughness.h", 0},
     {"materials/microfacet.h", BIT(GLOSS)},
+    {"materials/brushed.h", BIT(GLOSS)},
     {"materials/retroreflector.h", BIT(REFLECTOR)},
     {"materials/absorber.h", 0},
 };

@@ -30,10 +30,18 @@ def known_options(program):
     """Each verb with its options, and each option with its words or None."""
     verbs = re.findall(r"^  mcvisi ([a-z][a-z-]+)", output(program, "help"), re.M)
     schemas = {v: json.loads(output(program, "help", v, "--json"))["properties"] for v in verbs}
-    # An experiment has three keys of its own beside the options of sweep.
+    # An experiment has two keys of its own beside the options of sweep.
     for key in ("rig", "fingerprint"):
         schemas["sweep"].pop(key)
-    return {v: {o: s.get("enum") for o, s in schema.items()} for v, schema in schemas.items()}
+    # True is a choice in JSON only: on the command line it is the option alone.
+    return {
+        v: {o: words_of(s) for o, s in schema.items()} for v, schema in schemas.items()
+    }
+
+
+def words_of(schema):
+    words = schema.get("enum")
+    return words and [w for w in words if isinstance(w, str)]
 
 
 def check_pages(options, folder):
