@@ -105,8 +105,8 @@ static mcv_result time_rays(recorded *r, int kind) {
     const uint32_t count = (uint32_t)list->count;
     const bool any = kind == RECORDED_SHADOW_ANY;
     double different = NAN;
-    mcv_hit *hits = malloc(count * sizeof *hits);
-    int *found = malloc(count * sizeof *found);
+    mcv_hit *hits = calloc(count, sizeof *hits);
+    int *found = calloc(count, sizeof *found);
     cast together = {&r->caster, r->caster.kernels[any ? ANY_MANY : CLOSEST_MANY]},
          alone = {&r->caster, r->caster.kernels[any ? ANY_ALONE : CLOSEST_ALONE]};
     embree_cast embree[SIDES];

@@ -144,7 +144,8 @@ mcv_result mcv_rendering_changes(mcv_rendering *r, const mcv_rig *rig, const mcv
     if (changes.count) memcpy(items, changes.items, changes.count * sizeof *items);
     if (command->set.count)
         memcpy(items + changes.count, command->set.items, command->set.count * sizeof *items);
-    r->rendered.set = (mcv_overrides){items, changes.count + command->set.count};
+    r->rendered.set.items = items;
+    r->rendered.set.count = changes.count + command->set.count;
     r->rendered.hash = rig->hash;
     r->rendered.replicates = command->parts != 0;
     return MCV_OK;

@@ -16,7 +16,7 @@ typedef struct files_call {
     mcv_rendering rendering;
     mcv_told_call *told; /* or NULL */
     mcv_session *session;
-    const mcv_command *command;
+    mcv_options_given given;
     double seconds_load;
 } files_call;
 
@@ -47,7 +47,7 @@ static mcv_result tell_findings(files_call *c, const mcv_scene *scene, mcv_error
     mcv_findings findings;
     mcv_report report;
     MCV_TRY(mcv_findings_of(scene, &findings, error));
-    const mcv_result result = mcv_report_keep(&report, c->command->json, error);
+    const mcv_result result = mcv_report_keep(&report, c->given.command.json, error);
     for (size_t i = 0; result == MCV_OK && i < findings.count; ++i)
         if (findings.items[i].severity >= MCV_SEVERITY_WARNING)
             mcv_report_tell(&report, mcv_severities[findings.items[i].severity],
@@ -68,16 +68,16 @@ static mcv_result write_files(files_call *c, const mcv_render_files *files, doub
     summary.seconds_write = mcv_seconds() - begun;
     summary.seconds_first_picture =
         first_picture > 0 ? first_picture : mcv_seconds() - c->rendering.begun;
-    MCV_TRY(c->command->json ? mcv_summary_json(&summary, &text, error)
-                             : mcv_summary_text(&summary, &text, error));
+    MCV_TRY(c->given.command.json ? mcv_summary_json(&summary, &text, error)
+                                  : mcv_summary_text(&summary, &text, error));
     tell_text(c, text);
     return MCV_OK;
 }
 
 static mcv_result expose(files_call *c, const mcv_render_files *files, mcv_error *error) {
     mcv_report report;
-    MCV_TRY(mcv_report_keep(&report, c->command->json, error));
-    const mcv_result result = mcv_render_files_expose(c->command, files, &report, error);
+    MCV_TRY(mcv_report_keep(&report, c->given.command.json, error));
+    const mcv_result result = mcv_render_files_expose(&c->given.command, files, &report, error);
     if (result == MCV_OK)
         return tell_report(c, &report, report.json && json_array_size(report.notes) == 0, error);
     mcv_report_free(&report);
@@ -91,14 +91,14 @@ static mcv_result render_sensor(files_call *c, mcv_scene *scene, mcv_render_opti
     mcv_film film = {0};
     mcv_rendering *r = &c->rendering;
     mcv_early early;
-    MCV_TRY(mcv_render_files_plan(c->command, scene, sensor, several, &files, error));
+    MCV_TRY(mcv_render_files_plan(&c->given.command, scene, sensor, several, &files, error));
     r->begun = mcv_seconds();
     mcv_sensor_label(scene, sensor, r->sensor, sizeof r->sensor);
     mcv_rendering_tell(r, 0, INFINITY, false);
     mcv_early_begin(&early, scene, sensor, files.png, mcv_rendered_unit(scene, sensor), &options);
     r->early = &early;
-    mcv_result result =
-        mcv_rendering_run(r, c->session, c->command, scene, sensor, &options, &film, &stats, error);
+    mcv_result result = mcv_rendering_run(r, c->session, &c->given.command, scene, sensor, &options,
+                                          &film, &stats, error);
     r->early = NULL;
     mcv_early_end(&early);
     if (result == MCV_OK && film.samples == 0)
@@ -123,15 +123,15 @@ static mcv_result render_scene(files_call *c, mcv_scene *scene, const mcv_render
                                mcv_error *error) {
     uint32_t first, count;
     MCV_TRY(tell_findings(c, scene, error));
-    MCV_TRY(mcv_render_sensors(c->command, scene, &first, &count, error));
-    MCV_TRY(mcv_render_files_check(c->command, scene, first, count, error));
+    MCV_TRY(mcv_render_sensors(&c->given.command, scene, &first, &count, error));
+    MCV_TRY(mcv_render_files_check(&c->given.command, scene, first, count, error));
     for (uint32_t i = first; i < first + count; ++i)
         MCV_TRY(render_sensor(c, scene, *options, i, count > 1, error));
     return MCV_OK;
 }
 
 static mcv_result render_command(files_call *c, const mcv_rig *rig, mcv_error *error) {
-    const mcv_command *command = c->command;
+    const mcv_command *command = &c->given.command;
     const mcv_camera_settings camera = mcv_camera_settings_of(command);
     mcv_render_options options;
     mcv_scene *scene = NULL;
@@ -153,12 +153,10 @@ static mcv_result render_command(files_call *c, const mcv_rig *rig, mcv_error *e
 static mcv_result render_files(files_call *c, const mcv_rig *rig, const char *text,
                                mcv_error *error) {
     const char *const arguments[2] = {rig->document.path};
-    mcv_options_given given;
-    MCV_TRY(mcv_options_read(text, c->session->defaults, MCV_VERB_RENDER, arguments, NULL, &given,
-                             error));
-    c->command = &given.command;
+    MCV_TRY(mcv_options_read(text, c->session->defaults, MCV_VERB_RENDER, arguments, NULL,
+                             &c->given, error));
     const mcv_result result = render_command(c, rig, error);
-    mcv_options_free(&given);
+    mcv_options_free(&c->given);
     return result;
 }
 

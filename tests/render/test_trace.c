@@ -195,8 +195,8 @@ static void test_opaque_splitters(void **state) {
         add_rectangle(scene, 1, 1, splitter, looking_up_z(0, 0, 0.5));
         add_rectangle(scene, 1, 1, add_absorber(scene), looking_up_z(0, 0, 0));
         for (int reference = 0; reference < 2; ++reference) {
-            mcv_vertex *vertices;
-            size_t count;
+            mcv_vertex *vertices = NULL;
+            size_t count = 0;
             BUILD((reference ? mcv_reference_trace : mcv_trace)(scene, &ray, 1, &options, &vertices,
                                                                 &count, &builder_error));
             assert_int_equal(count, 3);
