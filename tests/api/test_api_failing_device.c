@@ -6,22 +6,30 @@
 #include <CL/cl.h>
 #include <dlfcn.h>
 
+/* The last parameters of a command. */
+#define EVENTS cl_uint num_events_in_wait_list, const cl_event *event_wait_list, cl_event *event
+#define EVENT_ARGUMENTS num_events_in_wait_list, event_wait_list, event
+
 /* X(name, parameters, arguments): functions that return a code. */
 #define FAILING(X) \
     X(clEnqueueNDRangeKernel, \
-      (cl_command_queue q, cl_kernel k, cl_uint d, const size_t *o, const size_t *g, \
-       const size_t *l, cl_uint n, const cl_event *w, cl_event *e), \
-      (q, k, d, o, g, l, n, w, e)) \
+      (cl_command_queue command_queue, cl_kernel kernel, cl_uint work_dim, \
+       const size_t *global_work_offset, const size_t *global_work_size, \
+       const size_t *local_work_size, EVENTS), \
+      (command_queue, kernel, work_dim, global_work_offset, global_work_size, local_work_size, \
+       EVENT_ARGUMENTS)) \
     X(clEnqueueReadBuffer, \
-      (cl_command_queue q, cl_mem b, cl_bool s, size_t o, size_t c, void *p, cl_uint n, \
-       const cl_event *w, cl_event *e), \
-      (q, b, s, o, c, p, n, w, e)) \
+      (cl_command_queue command_queue, cl_mem buffer, cl_bool blocking_read, size_t offset, \
+       size_t size, void *ptr, EVENTS), \
+      (command_queue, buffer, blocking_read, offset, size, ptr, EVENT_ARGUMENTS)) \
     X(clEnqueueWriteBuffer, \
-      (cl_command_queue q, cl_mem b, cl_bool s, size_t o, size_t c, const void *p, cl_uint n, \
-       const cl_event *w, cl_event *e), \
-      (q, b, s, o, c, p, n, w, e)) \
-    X(clSetKernelArg, (cl_kernel k, cl_uint i, size_t s, const void *v), (k, i, s, v)) \
-    X(clFinish, (cl_command_queue q), (q))
+      (cl_command_queue command_queue, cl_mem buffer, cl_bool blocking_write, size_t offset, \
+       size_t size, const void *ptr, EVENTS), \
+      (command_queue, buffer, blocking_write, offset, size, ptr, EVENT_ARGUMENTS)) \
+    X(clSetKernelArg, \
+      (cl_kernel kernel, cl_uint arg_index, size_t arg_size, const void *arg_value), \
+      (kernel, arg_index, arg_size, arg_value)) \
+    X(clFinish, (cl_command_queue command_queue), (command_queue))
 
 enum {
 #define X(name, parameters, arguments) OF_##name,
@@ -62,11 +70,12 @@ static void *of_library(const char *name) {
 FAILING(X)
 #undef X
 
-cl_mem clCreateBuffer(cl_context c, cl_mem_flags f, size_t s, void *p, cl_int *code) {
+cl_mem clCreateBuffer(cl_context context, cl_mem_flags flags, size_t size, void *host_ptr,
+                      cl_int *errcode_ret) {
     cl_mem (*real)(cl_context, cl_mem_flags, size_t, void *, cl_int *);
     *(void **)&real = of_library("clCreateBuffer");
-    if (!is_time(OF_clCreateBuffer)) return real(c, f, s, p, code);
-    if (code) *code = CL_MEM_OBJECT_ALLOCATION_FAILURE;
+    if (!is_time(OF_clCreateBuffer)) return real(context, flags, size, host_ptr, errcode_ret);
+    if (errcode_ret) *errcode_ret = CL_MEM_OBJECT_ALLOCATION_FAILURE;
     return NULL;
 }
 
