@@ -143,10 +143,10 @@ double mcv_preview_white(const mcv_image *image) {
     return quantile > 0 ? quantile : largest;
 }
 
-uint8_t mcv_srgb_of(double value) {
-    if (!(value > 0)) return 0;
-    if (value >= 1) return 255;
-    const double encoded = value <= 0.0031308 ? 12.92 * value : 1.055 * pow(value, 1 / 2.4) - 0.055;
+uint8_t mcv_srgb_of(double share) {
+    if (!(share > 0)) return 0;
+    if (share >= 1) return 255;
+    const double encoded = share <= 0.0031308 ? 12.92 * share : 1.055 * pow(share, 1 / 2.4) - 0.055;
     return (uint8_t)(255 * encoded + 0.5);
 }
 

@@ -16,19 +16,19 @@ typedef struct mcv_processed_files {
 } mcv_processed_files;
 
 /* MCV_USAGE for names that do not say what to write, or that are the image itself. */
-mcv_result mcv_processed_plan(const mcv_command *command, mcv_processed_files *files,
+mcv_result mcv_processed_plan(const mcv_command *command, mcv_processed_files *out,
                               mcv_error *error);
 
 /* lightfield_files.c: writes them. */
-mcv_result mcv_views_write(const mcv_light_field_file *file, const mcv_processed_files *files,
+mcv_result mcv_views_write(const mcv_light_field_file *file, const mcv_processed_files *out,
                            const mcv_exr *views, mcv_error *error);
-mcv_result mcv_gradient_write(const mcv_command *command, const mcv_processed_files *files,
+mcv_result mcv_gradient_write(const mcv_command *command, const mcv_processed_files *out,
                               const mcv_exr *gradient, mcv_error *error);
 
 /* Tells of them. `gradient`: its image and the seconds that it took; NULL for views. */
 void mcv_processed_report(const mcv_command *command, const mcv_light_field_file *file,
-                          const mcv_processed_files *files, const mcv_image *gradient,
-                          double seconds, mcv_report *report);
+                          const mcv_processed_files *out, const mcv_image *gradient, double seconds,
+                          mcv_report *r);
 
 /* Views and gradient with the attributes of what they were made from that still hold. */
 mcv_result mcv_views_make(const mcv_light_field_file *file, mcv_exr *views, mcv_error *error);
