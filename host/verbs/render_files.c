@@ -34,7 +34,7 @@ static mcv_result make_path(char *out, const char *path, const char *sensor, con
 }
 
 mcv_result mcv_render_files_plan(const mcv_command *command, const mcv_scene *scene,
-                                 uint32_t sensor, bool several, mcv_render_files *picture,
+                                 uint32_t sensor, bool several, mcv_render_files *files,
                                  mcv_error *error) {
     uint32_t width, height;
     char label[128];
@@ -51,17 +51,17 @@ mcv_result mcv_render_files_plan(const mcv_command *command, const mcv_scene *sc
     for (char *c = label; *c; ++c)
         if (*c == '/' || iscntrl((unsigned char)*c)) *c = '_';
     const char *suffix = several ? label : NULL;
-    MCV_TRY(make_path(picture->exr, command->exr ? command->exr : scene->path, suffix,
+    MCV_TRY(make_path(files->exr, command->exr ? command->exr : scene->path, suffix,
                       command->exr ? NULL : ".exr", error));
     if (command->png)
-        MCV_TRY(make_path(picture->png, command->png, suffix, NULL, error));
+        MCV_TRY(make_path(files->png, command->png, suffix, NULL, error));
     else
-        MCV_TRY(make_path(picture->png, picture->exr, NULL, ".png", error));
+        MCV_TRY(make_path(files->png, files->exr, NULL, ".png", error));
 
-    picture->grey[0] = '\0';
+    files->grey[0] = '\0';
     if (command->camera) {
-        MCV_TRY(make_path(picture->grey, command->camera, suffix, NULL, error));
-        MCV_TRY(mcv_grey_check_file(command, picture->grey, error));
+        MCV_TRY(make_path(files->grey, command->camera, suffix, NULL, error));
+        MCV_TRY(mcv_grey_check_file(command, files->grey, error));
         if (!irradiance && command->electrons_per_unit[0] == 0 && command->expose_to == 0)
             return mcv_fail(error, MCV_BAD_INPUT,
                             "%s: sensor %s measures radiance, which --exposure-time cannot convert "
@@ -70,23 +70,23 @@ mcv_result mcv_render_files_plan(const mcv_command *command, const mcv_scene *sc
                             "or --expose-to",
                             scene->path, label, label);
     }
-    const char *const paths[] = {picture->exr, picture->png, picture->grey};
+    const char *const paths[] = {files->exr, files->png, files->grey};
     for (int i = 0; i < (command->camera ? 3 : 2); ++i) {
         if (mcv_same_file(paths[i], scene->path))
             return mcv_fail(error, MCV_USAGE, "%s is the scene: give the image another name",
                             paths[i]);
         MCV_TRY(mcv_output_check(paths[i], error));
     }
-    if (strcmp(picture->grey, picture->exr) == 0 || strcmp(picture->grey, picture->png) == 0)
+    if (strcmp(files->grey, files->exr) == 0 || strcmp(files->grey, files->png) == 0)
         return mcv_fail(
             error, MCV_USAGE,
             "%s would be both the image and its grey values: give --camera another name",
-            picture->grey);
-    if (strcmp(picture->exr, picture->png) == 0)
+            files->grey);
+    if (strcmp(files->exr, files->png) == 0)
         return mcv_fail(
             error, MCV_USAGE,
             "%s would be both the image and its preview: give the preview another name by --png",
-            picture->exr);
+            files->exr);
     return MCV_OK;
 }
 

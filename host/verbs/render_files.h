@@ -26,7 +26,7 @@ mcv_result mcv_render_sensors(const mcv_command *command, mcv_scene *scene, uint
  * the grey values of --camera.
  */
 mcv_result mcv_render_files_plan(const mcv_command *command, const mcv_scene *scene,
-                                 uint32_t sensor, bool several, mcv_render_files *picture,
+                                 uint32_t sensor, bool several, mcv_render_files *files,
                                  mcv_error *error);
 
 /* Plans the files of all, before rendering: a missing folder must be reported at once, not hours
@@ -35,12 +35,12 @@ mcv_result mcv_render_files_check(const mcv_command *command, const mcv_scene *s
                                   uint32_t first, uint32_t count, mcv_error *error);
 
 /* Writes the image and the preview, and returns the preview's white level. */
-mcv_result mcv_render_files_write(const mcv_render_files *picture, const mcv_rendered *rendered,
+mcv_result mcv_render_files_write(const mcv_render_files *files, const mcv_rendered *rendered,
                                   mcv_preview *preview, mcv_error *error);
 
 /* Writes the grey values of the image that was written, and tells of them; in JSON only what is
  * odd. */
-mcv_result mcv_render_files_expose(const mcv_command *command, const mcv_render_files *picture,
+mcv_result mcv_render_files_expose(const mcv_command *command, const mcv_render_files *files,
                                    mcv_report *report, mcv_error *error);
 
 #endif
