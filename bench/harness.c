@@ -234,7 +234,7 @@ static mcv_result run_and_write(bench *b, const char *name,
 
 int bench_main(int argc, char **argv, const char *name,
                mcv_result (*run)(bench *b, mcv_error *error)) {
-    bench b = {.repetitions = BENCH_REPETITIONS, .rows = json_array(), .summary = json_object()};
+    bench b = {.repetitions = BENCH_REPETITIONS};
     mcv_error error = {""};
     const char *output = argv[0];
     for (int i = 1; i < argc; ++i) {
@@ -245,13 +245,20 @@ int bench_main(int argc, char **argv, const char *name,
             b.only = argv[++i];
         } else if (strcmp(argv[i], "--seed") == 0 && i + 1 < argc) {
             b.seed = (unsigned)strtoul(argv[++i], NULL, 10);
-        } else {
+        } else if (argv[i][0] != '-') {
             output = argv[i];
+        } else {
+            fprintf(stderr,
+                    "bench_%s: %s is no option: [--quick] [--only NAME] [--seed N] [FILE.json]\n",
+                    name, argv[i]);
+            return MCV_USAGE;
         }
     }
     const size_t length = strlen(output);
     const bool ending = length > 5 && strcmp(output + length - 5, ".json") == 0;
     snprintf(b.stem, sizeof b.stem, "%.*s", (int)(ending ? length - 5 : length), output);
+    b.rows = json_array();
+    b.summary = json_object();
     const mcv_result result = run_and_write(&b, name, run, &error);
     if (result != MCV_OK) fprintf(stderr, "bench_%s: %s\n", name, error.text);
     json_decref(b.rows);
