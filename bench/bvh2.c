@@ -95,7 +95,7 @@ mcv_result bvh2_program(const mcv_cl *cl, cl_program *program, mcv_error *error)
     const char *source = "#include \"bvh2.cl\"\n";
     cl_int code;
     *program = clCreateProgramWithSource(cl->context, 1, &source, NULL, &code);
-    MCV_TRY_CL(code, error);
+    MCV_TRY(mcv_cl_check(cl, code, "making a program", error));
     code = clBuildProgram(*program, 1, &cl->device,
                           "-cl-std=CL1.2 -I " MCV_SOURCE_DIR "/bench -I " MCV_SOURCE_DIR "/include",
                           NULL, NULL);

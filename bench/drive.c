@@ -80,15 +80,14 @@ drive_options drive_defaults(uint32_t schedule) {
  * splitting, early roulette, light paths, emitter selection), an environment's image, which must
  * exist to be sampled, and dispersion, with which a path keeps one channel.
  */
-static uint32_t all_features(const mcv_packed *packed) {
-    const uint32_t not_elements = 1u << MCV_FEATURE_AIM | 1u << MCV_FEATURE_LIGHT_TRACING |
-                                  1u << MCV_FEATURE_ENVIRONMENT_IMAGE |
-                                  1u << MCV_FEATURE_DISPERSION | 1u << MCV_FEATURE_REACH |
-                                  1u << MCV_FEATURE_SPLIT | 1u << MCV_FEATURE_EARLY_ROULETTE |
-                                  1u << MCV_FEATURE_MIXED;
-    uint32_t features = MCV_ALL_FEATURES & ~not_elements;
+static uint64_t all_features(const mcv_packed *packed) {
+    const uint64_t not_elements = MCV_FEATURE_BIT(AIM) | MCV_FEATURE_BIT(LIGHT_TRACING) |
+                                  MCV_FEATURE_BIT(ENVIRONMENT_IMAGE) | MCV_FEATURE_BIT(DISPERSION) |
+                                  MCV_FEATURE_BIT(REACH) | MCV_FEATURE_BIT(SPLIT) |
+                                  MCV_FEATURE_BIT(EARLY_ROULETTE) | MCV_FEATURE_BIT(MIXED);
+    uint64_t features = MCV_ALL_FEATURES & ~not_elements;
     if (packed->emitter_count == 0)
-        features &= ~(1u << MCV_FEATURE_NEXT_EVENT | 1u << MCV_FEATURE_RECTANGLE);
+        features &= ~(MCV_FEATURE_BIT(NEXT_EVENT) | MCV_FEATURE_BIT(RECTANGLE));
     return features | packed->features;
 }
 
@@ -124,7 +123,7 @@ static mcv_result add_buffers(mcv_cl *cl, mcv_device_scene *device, mcv_error *e
 
 /* Builds the program again, with its clock, and makes room for its readings. */
 static mcv_result add_clock(drive *d, const mcv_render_options *options, mcv_error *error) {
-    char defines[1024];
+    char defines[2048];
     mcv_schedule *s = &d->schedule;
     const mcv_packed *packed = &d->device.packed;
     mcv_feature_defines(packed->features, packed->channels, d->scene->sensors[0].type,
@@ -159,7 +158,7 @@ mcv_result drive_open(mcv_cl *cl, const mcv_scene *scene, drive_options options,
     mcv_packed *packed = &d->device.packed;
     packed->features =
         mcv_decide_features(scene, packed, scene->sensors, (mcv_feature_options){0}, NULL) &
-        ~(1u << MCV_FEATURE_LIGHT_TRACING | 1u << MCV_FEATURE_SPLIT);
+        ~(MCV_FEATURE_BIT(LIGHT_TRACING) | MCV_FEATURE_BIT(SPLIT));
     if (options.all_features) {
         packed->features = all_features(packed);
         packed->channels = 3;

@@ -183,12 +183,12 @@ mcv_result bench_cores(const mcv_cl *all, cl_uint count, mcv_cl *cl, mcv_error *
     cl->context = NULL;
     cl->queue = NULL;
     cl->units = count;
-    MCV_TRY_CL(clCreateSubDevices(all->device, by_count, 1, &cl->device, NULL), error);
+    MCV_TRY(mcv_cl_check(all, clCreateSubDevices(all->device, by_count, 1, &cl->device, NULL),
+                         "splitting the device", error));
     cl->context = clCreateContext(NULL, 1, &cl->device, NULL, NULL, &code);
-    MCV_TRY_CL(code, error);
+    MCV_TRY(mcv_cl_check(all, code, "making a context", error));
     cl->queue = clCreateCommandQueue(cl->context, cl->device, CL_QUEUE_PROFILING_ENABLE, &code);
-    MCV_TRY_CL(code, error);
-    return MCV_OK;
+    return mcv_cl_check(all, code, "making a command queue", error);
 }
 
 /* The first line that a command prints, or "unknown". */

@@ -167,15 +167,12 @@ static mcv_result record_depth(const recorder *r, uint32_t depth, uint32_t *coun
 
 static mcv_result record(recorder *r) {
     mcv_schedule *s = &r->d->schedule;
-    const cl_uint nothing = 0;
     const size_t lengths = 2 * sizeof(cl_uint) * (s->depth + 1);
     uint32_t words[FIELD_COUNT], offset = 0, count = 1;
     recorder_field_words(&r->d->device.packed, words);
     for (int i = 0; i < FIELD_COUNT; offset += words[i++]) r->offsets[i] = offset;
     MCV_TRY(mcv_cl_write(s->cl, s->scene->frame, 0, sizeof r->d->frame, &r->d->frame, r->error));
-    MCV_TRY_CL(clEnqueueFillBuffer(s->cl->queue, s->lengths, &nothing, sizeof nothing, 0, lengths,
-                                   0, NULL, NULL),
-               r->error);
+    MCV_TRY(mcv_cl_clear(s->cl, s->lengths, lengths, r->error));
     MCV_TRY(run_stage(r, MCV_KERNEL_generate_rays, 0));
     for (uint32_t depth = 0; depth < s->depth && count > 0; ++depth)
         MCV_TRY(record_depth(r, depth, &count));

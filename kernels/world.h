@@ -51,8 +51,8 @@ typedef MCV_JOIN(mcv_, MCV_SENSOR, ) mcv_sensor;
 #define MCV_DOUBLE uint
 #endif
 
-#define MCV_WORLD_FIELD(space, type, name, what, bytes, data) space const type *name;
-#define MCV_WORLD_PARAMETER(space, type, name, what, bytes, data) space const type *name,
+#define MCV_WORLD_FIELD(space, type, name, what, bytes, data) space type *name;
+#define MCV_WORLD_PARAMETER(space, type, name, what, bytes, data) space type *name,
 #define MCV_WORLD_ARGUMENT(space, type, name, what, bytes, data) world.name = name;
 #define MCV_WORLD_PARAMETERS MCV_BUFFERS(MCV_WORLD_PARAMETER)
 #define MCV_MAKE_WORLD(world) \

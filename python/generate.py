@@ -84,7 +84,7 @@ def type_of(name: str, option: Dict[str, Any]) -> str:
         return "Quantities"
     if name in ("device",):
         return "Union[int, str]"
-    if name in ("output", "html", "images", "grid"):
+    if name in ("output", "html", "images", "grid", "white"):
         return "Path"
     return {"integer": "int", "number": "float", "boolean": "bool", "string": "str"}[option["type"]]
 
@@ -214,7 +214,55 @@ RIG_VERBS = [
         "session: Optional[Session] = None",
         "Sweep",
         "return self._sweep(vary, progress, session, options)",
+        without="vary rig fingerprint pod",
+    ),
+    Verb(
+        "transport",
+        "transport",
+        "Renders the light transport matrix of one sensor: what each element of the emitters\n"
+        "brings to each pixel.\n\n" + PROGRESS.replace(", with the picture so far", ""),
+        "progress: ProgressOption = None; session: Optional[Session] = None",
+        "Transport",
+        "return self._transport(progress, session, options)",
+    ),
+    Verb(
+        "optimize",
+        "optimize",
+        "Searches for the parameters at which what is measured is largest or smallest.\n\n"
+        'vary: paths and their ranges, "1mm..5mm" or "1mm..5mm:log", or lists of values.\n'
+        'objectives: metrics by name, "largest" or "smallest".\n'
+        "progress: None for a bar in a terminal or notebook, False for none.\n"
+        "session: the Session to use, by default one for all.",
+        'vary: "Mapping[str, Values]"; progress: Optional[Literal[False]] = None; '
+        "session: Optional[Session] = None",
+        "Optimization",
+        "return self._optimize(vary, progress, session, options)",
         without="vary rig fingerprint",
+    ),
+    Verb(
+        "uncertainty",
+        "uncertainty",
+        "How tolerances of parameters spread what is measured.\n\n"
+        'tolerance: paths and their distributions: "normal(0.1mm)", "uniform(0.2deg)",\n'
+        '"triangular(1mm)"; about the value in the scene, or "normal(25mm,0.1mm)".\n'
+        "progress: None for a bar in a terminal or notebook, False for none.\n"
+        "session: the Session to use, by default one for all.",
+        'tolerance: "Mapping[str, str]"; progress: Optional[Literal[False]] = None; '
+        "session: Optional[Session] = None",
+        "Uncertainty",
+        "return self._uncertainty(tolerance, progress, session, options)",
+        without="tolerance rig fingerprint",
+    ),
+    Verb(
+        "explain",
+        "explain",
+        "Which light makes a pixel: a list of routes from the camera to an emitter, each with its\n"
+        "share, its uncertainty and its strongest path. It needs no device.\n\n"
+        "pixel: column and row, from (0, 0).",
+        "pixel: Sequence[int]; session: Optional[Session] = None",
+        "Mapping[str, Any]",
+        "return self._explain(pixel, session, options)",
+        without="pixel",
     ),
     Verb(
         "trace",
@@ -257,6 +305,16 @@ RIG_VERBS = [
         "return self._import_camera(path, options)",
         only="sensor pixel-size",
     ),
+    Verb(
+        "add_defect",
+        "defect",
+        "Puts a defect onto the surface of a node: a dent, a bump, a scratch; or inside of it: a\n"
+        "bubble, an inclusion, a stria. Returns what was added; what is odd is its `notes`.",
+        'kind: Literal["dent", "bump", "scratch", "bubble", "inclusion", "stria"]',
+        "Mapping[str, Any]",
+        "return self._add_defect(kind, options)",
+        without="output",
+    ),
 ]
 
 IMAGE_VERBS = [
@@ -282,6 +340,15 @@ IMAGE_VERBS = [
         "Measurement",
         "return self._measure(minus, rig, options)",
         without="minus scene",
+    ),
+    Verb(
+        "detect",
+        "detect",
+        "How well a camera can tell the defect in this image from its noise: detectability and\n"
+        "contrast. `without` is the same scene without it; both need parts=\"replicates\".",
+        "without: Image",
+        "Mapping[str, Any]",
+        "return self._detect(without, options)",
     ),
     Verb(
         "views",
@@ -324,13 +391,43 @@ FUNCTIONS = [
         "from mcvisi.rigs import lens_rig\n\nreturn lens_rig(path, options)",
         without="output",
     ),
+    Verb(
+        "merge",
+        "merge",
+        "The image of a render whose parts lie in film files (`samples`, `film` of "
+        "`mcvisi render`),\nin any order: it has the bits of one render.",
+        "films: Sequence[Path]",
+        "Image",
+        "from mcvisi.image import merged\n\nreturn merged(films, options)",
+    ),
+    Verb(
+        "pod_table",
+        "pod",
+        "The probability of detection: from which size on are defects found?\n\n"
+        "table: a CSV file such as a sweep writes, a row for each defect. Give `signal` or `hit`.\n"
+        "Returns the report; its `answer` is a sentence.",
+        "table: Path",
+        "Mapping[str, Any]",
+        "from mcvisi.detection import table_report\n\nreturn table_report(table, options)",
+    ),
+    Verb(
+        "pod_values",
+        "pod",
+        "pod_table() of arrays.\n\n"
+        "sizes: of the defects; 0 is a flawless part. values: signals or, with `hits`, 1 and 0.",
+        "sizes: Any; values: Any; hits: bool = False",
+        "Mapping[str, Any]",
+        "from mcvisi.detection import values_report\n\n"
+        "return values_report(sizes, values, hits, options)",
+        without="size signal hit defect",
+    ),
 ]
 
 HEAD = NOTICE + '''"""The functions with options, from the program's lists."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Dict, Literal, Mapping, Optional, Union
+from typing import TYPE_CHECKING, Any, Dict, Literal, Mapping, Optional, Sequence, Union
 
 if TYPE_CHECKING:
     from mcvisi.findings import Findings
@@ -349,7 +446,10 @@ if TYPE_CHECKING:
     )
     from mcvisi.rig import Rig
     from mcvisi.session import ProgressOption, Session
+    from mcvisi.optimization import Optimization
     from mcvisi.sweep import Sweep
+    from mcvisi.transport import Transport
+    from mcvisi.uncertainty import Uncertainty
 '''
 
 

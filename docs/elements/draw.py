@@ -11,7 +11,8 @@ import os
 import sys
 
 HERE = os.path.dirname(os.path.abspath(__file__))
-MODULES = ("sensors", "emitters", "lights", "presets", "materials", "roughness", "surfaces")
+MODULES = ("sensors", "emitters", "lights", "presets", "materials", "roughness", "surfaces",
+           "defects")
 
 
 def drawings():

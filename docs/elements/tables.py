@@ -83,7 +83,7 @@ def kind(part):
     if one["type"] == "array":
         items = one["items"]
         return "list" if "properties" in items else \
-            "%s%d %ss" % ("" if "minItems" in one else "up to ", one["maxItems"], items["type"])
+            "%s%d %ss" % ("" if "minItems" in one else "up to ", one["maxItems"], kind(items))
     count = part["anyOf"][1]["maxItems"] if "anyOf" in part else 1
     return {1: word, 2: "%s, or 2" % word, 3: "%s, or 3 (R, G, B)" % word}[count]
 

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Write one of the tutorials' parts as binary STL in mm, by the standard library alone.
 
-parts.py scratched|window|tabs PART.stl
+parts.py scratched|window|tabs|plain PART.stl
 
 scratched  a block 20 x 14 x 3 mm, its top at z = 3, with a straight scratch along y: a V groove
            0.2 mm wide and 0.06 mm deep through x = 0
@@ -10,6 +10,7 @@ window     a window 20 x 15 x 3 mm; its top at z = 3 has a dent about the origin
            standard deviation 1 mm, 4 µm deep
 tabs       two squares of 6 mm, 0.1 mm thick, turned by a slope of 1:10: one about (-6, 0) from
            z = 0 on, one about (6, 0) from z = 20 on
+plain      a block 20 x 14 x 3 mm, its top at z = 3
 """
 import math
 import struct
@@ -44,6 +45,10 @@ def scratched():
     return closed([[(x, y, z) for x, z in profile] for y in (-7, 7)], 0)
 
 
+def plain():
+    return closed([[(x, y, 3) for x in (-10, 10)] for y in (-7, 7)], 0)
+
+
 def window():
     """Steps of 0.125 mm in the dent, to 4 standard deviations; wider ones where the top is flat."""
     fine = [0.125 * i for i in range(-32, 33)]
@@ -72,7 +77,7 @@ def write_stl(path, triangles):
 
 
 def main():
-    parts = {"scratched": scratched, "window": window, "tabs": tabs}
+    parts = {"scratched": scratched, "window": window, "tabs": tabs, "plain": plain}
     if len(sys.argv) != 3 or sys.argv[1] not in parts:
         sys.exit("parts.py %s PART.stl" % "|".join(parts))
     write_stl(sys.argv[2], parts[sys.argv[1]]())

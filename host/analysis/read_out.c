@@ -99,13 +99,8 @@ static mcv_result scale_light(const mcv_camera_settings *settings, const char *p
 
 enum { WIDEST_DIFFRACTION = 100 };
 
-/*
- * `words` gets what was done, "" for nothing. A light field image is not blurred: neighbouring
- * pixels see through different parts of the pupil. Nor is an image whose stop would fill it by
- * diffraction: that is the negligible stop of a glTF camera.
- */
-static mcv_result blur(const mcv_camera_settings *settings, const char *path, mcv_exr *exr,
-                       char words[128], mcv_correlation *correlation, mcv_error *error) {
+mcv_result mcv_camera_blur(const mcv_camera_settings *settings, const char *path, mcv_exr *exr,
+                           char words[128], mcv_correlation *correlation, mcv_error *error) {
     const double *f_number = mcv_exr_numbers(exr, "mcvisi:fNumber", 1);
     const bool table = strcmp(settings->lens_mtf, "diffraction") != 0;
     double size[2], widest = 0;
@@ -164,7 +159,7 @@ mcv_result mcv_camera_read_out(const mcv_camera_settings *settings, const char *
     mcv_result result = mcv_camera_check_light(light, &detail);
     if (result != MCV_OK) return mcv_fail(error, result, "%s: %s", path, detail.text);
     MCV_TRY(scale_light(settings, path, exr, out, error));
-    MCV_TRY(blur(settings, path, exr, out->lens, &out->correlation, error));
+    MCV_TRY(mcv_camera_blur(settings, path, exr, out->lens, &out->correlation, error));
     result = mcv_camera_expose(&out->camera, light, mcv_exr_error(exr), &out->exposure, &detail);
     return result == MCV_OK ? MCV_OK : mcv_fail(error, result, "%s: %s", path, detail.text);
 }

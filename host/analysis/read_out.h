@@ -48,4 +48,13 @@ typedef struct mcv_read_out {
 mcv_result mcv_camera_read_out(const mcv_camera_settings *settings, const char *path, mcv_exr *exr,
                                mcv_read_out *out, mcv_error *error);
 
+/*
+ * What the lens does to the first part before: blurs it, and the part of its errors where there is
+ * one. `words` gets what was done, "" for nothing. A light field image is not blurred: neighbouring
+ * pixels see through different parts of the pupil. Nor is an image whose stop would fill it by
+ * diffraction: that is the negligible stop of a glTF camera.
+ */
+mcv_result mcv_camera_blur(const mcv_camera_settings *settings, const char *path, mcv_exr *exr,
+                           char words[128], mcv_correlation *correlation, mcv_error *error);
+
 #endif

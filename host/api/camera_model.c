@@ -52,17 +52,6 @@ mcv_result mcv_rig_camera_model(const mcv_rig *rig, const char *options, char **
 
 /* --- the other way --- */
 
-/* The rig is another scene from now on. */
-static void take_root(mcv_rig *rig, json_t *root) {
-    char *text = json_dumps(root, JSON_COMPACT | JSON_REAL_PRECISION(17));
-    json_decref(rig->document.root);
-    rig->document.root = root;
-    if (!text) return;
-    rig->hash = mcv_hash_bytes(rig->hash, text, strlen(text));
-    rig->document.fingerprint = mcv_hash_bytes(rig->document.fingerprint, text, strlen(text));
-    free(text);
-}
-
 /* On a copy of the tree: after failure the rig is as it was. */
 static mcv_result add(mcv_rig *rig, const mcv_command *command, char **report, mcv_error *error) {
     mcv_report r;
@@ -75,7 +64,7 @@ static mcv_result add(mcv_rig *rig, const mcv_command *command, char **report, m
     else
         mcv_report_free(&r);
     if (result == MCV_OK)
-        take_root(rig, root);
+        mcv_rig_take_root(rig, root);
     else
         json_decref(root);
     return result;

@@ -16,6 +16,16 @@ static mcv_result report_scene(const mcv_command *command, const mcv_scene *scen
     return result;
 }
 
+static mcv_result report_strict(const mcv_command *command, const mcv_rig *rig, char **report,
+                                mcv_error *error) {
+    mcv_report r;
+    mcv_result result = mcv_report_keep(&r, command->json, error);
+    if (result == MCV_OK) result = mcv_check_strict(command, &rig->document, &r, error);
+    if (result == MCV_OK) return mcv_report_take(&r, report, error);
+    mcv_report_free(&r);
+    return result;
+}
+
 static mcv_result check(mcv_session *session, const mcv_rig *rig, const char *options,
                         char **report, mcv_error *error) {
     const char *const arguments[2] = {rig ? rig->document.path : NULL};
@@ -25,6 +35,12 @@ static mcv_result check(mcv_session *session, const mcv_rig *rig, const char *op
                              error));
     const bool defines = given.command.defines;
     mcv_result result = MCV_OK;
+    if (given.command.strict) {
+        result = rig ? report_strict(&given.command, rig, report, error)
+                     : mcv_fail(error, MCV_USAGE, "mcv_session_check: rig must not be NULL");
+        mcv_options_free(&given);
+        return result;
+    }
     if (rig)
         result = mcv_session_scene(session, rig, &given.command, &scene, error);
     else if (!defines)

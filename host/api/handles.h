@@ -33,6 +33,9 @@ struct mcv_rig {
 mcv_result mcv_rig_of(mcv_document *document, const char *path, const char *folder, mcv_rig **rig,
                       mcv_error *error);
 
+/* The rig is another scene from now on: of this tree, which changes owners. */
+void mcv_rig_take_root(mcv_rig *rig, json_t *root);
+
 /* What was changed since the document was read, for the header of pictures. */
 mcv_overrides mcv_rig_changes(const mcv_rig *rig);
 

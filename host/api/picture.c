@@ -2,7 +2,7 @@
 /* Pictures of the public interface: made, read and looked into. */
 #include "api/handles.h"
 #include "core/basics.h"
-#include "io/exr_make.h"
+#include "io/exr_json.h"
 #include "io/png.h"
 #include "io/values.h"
 #include "scene/camera_model.h"
@@ -79,37 +79,10 @@ mcv_result mcv_picture_read(const char *path, mcv_picture **picture, mcv_error *
 
 /* --- from memory --- */
 
-/* A text, a number or a list of 2, 4 or 16 numbers. */
-static mcv_result set_from_json(mcv_exr *exr, const char *key, const json_t *value,
-                                mcv_error *error) {
-    const size_t count = json_is_array(value) ? json_array_size(value) : 1;
-    mcv_attribute a = {.name = key, .text = json_string_value(value), .count = (uint32_t)count};
-    bool right = strlen(key) < MCV_EXR_ATTRIBUTE_NAME &&
-                 (a.text || count == 1 || count == 2 || count == 4 || count == 16);
-    for (size_t i = 0; right && !a.text && i < count; ++i) {
-        const json_t *number = json_is_array(value) ? json_array_get(value, i) : value;
-        right = json_is_number(number);
-        a.numbers[i] = json_number_value(number);
-    }
-    if (right) return mcv_exr_set_attributes(exr, &a, 1, error);
-    return mcv_fail(error, MCV_USAGE,
-                    "attributes: %s: must be a text, a number or a list of 2, 4 or 16 numbers, and "
-                    "its name at most %d bytes long",
-                    key, MCV_EXR_ATTRIBUTE_NAME - 1);
-}
-
 static mcv_result set_attributes(mcv_exr *exr, const char *text, mcv_error *error) {
     json_error_t wrong;
-    const char *key;
-    json_t *value, *object = json_loads(text, JSON_REJECT_DUPLICATES, &wrong);
-    mcv_result result =
-        json_is_object(object)
-            ? MCV_OK
-            : mcv_fail(error, MCV_USAGE,
-                       "attributes: must be a JSON object, as in {\"mcvisi:unit\": \"DN\"}");
-    json_object_foreach(object, key, value) {
-        if (result == MCV_OK) result = set_from_json(exr, key, value, error);
-    }
+    json_t *object = json_loads(text, JSON_REJECT_DUPLICATES, &wrong);
+    const mcv_result result = mcv_attributes_set_json(exr, object, error);
     json_decref(object);
     return result;
 }
@@ -190,27 +163,8 @@ mcv_result mcv_picture_part(const mcv_picture *picture, uint32_t index, mcv_part
     return MCV_OK;
 }
 
-/* JSON has neither NaN nor infinity. */
-static json_t *number_json(double value) {
-    return isfinite(value) ? json_real(value) : json_null();
-}
-
-static json_t *attribute_json(const mcv_attribute *a) {
-    if (a->text) {
-        json_t *text = json_string(a->text);
-        return text ? text : json_null(); /* not UTF-8 */
-    }
-    if (a->count == 1) return number_json(a->numbers[0]);
-    json_t *list = json_array();
-    for (uint32_t i = 0; i < a->count; ++i) json_array_append_new(list, number_json(a->numbers[i]));
-    return list;
-}
-
 static mcv_result list_attributes(const mcv_picture *picture, char **json, mcv_error *error) {
-    json_t *object = json_object();
-    for (uint32_t i = 0; object && i < picture->exr.attribute_count; ++i)
-        json_object_set_new(object, picture->exr.attributes[i].name,
-                            attribute_json(picture->exr.attributes + i));
+    json_t *object = mcv_attributes_json(&picture->exr);
     *json = object ? json_dumps(object, JSON_COMPACT | JSON_REAL_PRECISION(17)) : NULL;
     json_decref(object);
     return *json ? MCV_OK : mcv_fail(error, MCV_FAILED, "no memory for the attributes");

@@ -2,10 +2,12 @@
 /* Renders of the public interface. */
 #include "api/rendering.h"
 #include "core/basics.h"
+#include "core/output_file.h"
 #include "options/option_table.h"
 #include "reference/reference.h"
 #include "report/summary.h"
 #include "scene/sensor_find.h"
+#include "verbs/merge.h"
 
 #include <limits.h>
 #include <math.h>
@@ -62,6 +64,31 @@ mcv_result mcv_progress_picture(const mcv_progress *progress, mcv_picture **pict
     return result;
 }
 
+/* --- checkpoints --- */
+
+static bool save_is_due(void *user, bool ending) {
+    const mcv_rendering *r = user;
+    return mcv_saves_due(r->saves, ending);
+}
+
+static void save(void *user, const mcv_unfinished *unfinished) {
+    mcv_rendering *r = user;
+    mcv_saves_write(r->saves, unfinished);
+    if (r->saves->failure.text[0] && r->warn) r->warn(r, r->saves->failure.text);
+}
+
+static const struct mcv_render_saving SAVING = {save_is_due, save};
+
+mcv_result mcv_progress_save(const mcv_progress *progress, mcv_error *error) {
+    MCV_NEED(progress);
+    const mcv_rendering *r = progress->render;
+    if (!r->saves || !r->saves->path)
+        return mcv_fail(error, MCV_USAGE,
+                        "the render has no checkpoint: name one by the option checkpoint");
+    r->saves->asked = true;
+    return MCV_OK;
+}
+
 mcv_summary mcv_rendering_summary(const mcv_rendering *r, double seconds_load) {
     const mcv_rendered *rendered = &r->rendered;
     const mcv_film *film = rendered->film;
@@ -79,6 +106,7 @@ mcv_summary mcv_rendering_summary(const mcv_rendering *r, double seconds_load) {
                          .seconds_write = NAN,
                          .seconds_first_picture = NAN,
                          .error = mcv_film_relative_error(film),
+                         .error_of_rest = mcv_film_error_of_rest(film),
                          .mean = mcv_film_mean(film),
                          .preview = {.white = NAN, .saturated = NAN}};
 }
@@ -106,6 +134,8 @@ mcv_result mcv_rendering_run(mcv_rendering *r, mcv_session *session, const mcv_c
         options->sampler = MCV_SAMPLER_RANDOM; /* it has no other, and the header says so */
     options->progress = r->call || r->early ? tell : NULL;
     options->picture = r->early ? show : NULL;
+    options->saving = r->saves && r->saves->path ? &SAVING : NULL;
+    options->resume = r->saves && r->saves->resumes ? &r->saves->checkpoint.unfinished : NULL;
     options->user = r;
     if (!reference) MCV_TRY(mcv_session_renderer(session, command->device, &renderer, error));
     r->rendered.scene = scene;
@@ -118,6 +148,33 @@ mcv_result mcv_rendering_run(mcv_rendering *r, mcv_session *session, const mcv_c
                      : mcv_renderer_render(renderer, scene, sensor, options, film, stats, error);
 }
 
+mcv_result mcv_rendering_saves(mcv_rendering *r, const mcv_command *command, const mcv_scene *scene,
+                               uint32_t sensor, const char *path, bool by_default, mcv_saves *saves,
+                               mcv_error *error) {
+    json_t *identity = mcv_checkpoint_identity(command, scene, sensor, r->rendered.set);
+    mcv_saves_begin(saves, path, by_default, identity);
+    r->saves = saves;
+    const mcv_result result = !identity ? mcv_fail(error, MCV_FAILED, "no memory for checkpoints")
+                              : command->resume ? mcv_saves_resume(saves, error)
+                                                : MCV_OK;
+    if (result == MCV_OK) return MCV_OK;
+    r->saves = NULL;
+    mcv_saves_end(saves, false);
+    return result;
+}
+
+/* Of a render into memory: only where they are asked for. */
+static mcv_result begin_saves(mcv_rendering *r, const mcv_command *command, const mcv_scene *scene,
+                              uint32_t sensor, mcv_saves *saves, mcv_error *error) {
+    const bool wanted = command->checkpoint && strcmp(command->checkpoint, "off") != 0;
+    if (command->resume && !wanted)
+        return mcv_fail(error, MCV_USAGE, "options: resume: name the file by checkpoint");
+    if (wanted) MCV_TRY(mcv_output_check(command->checkpoint, error));
+    if (command->part) MCV_TRY(mcv_output_check(command->part, error));
+    return mcv_rendering_saves(r, command, scene, sensor, wanted ? command->checkpoint : NULL,
+                               false, saves, error);
+}
+
 static mcv_result render_scene(mcv_session *session, const mcv_command *command, mcv_rendering *r,
                                mcv_scene *scene, mcv_picture **picture, char **stats,
                                mcv_error *error) {
@@ -128,9 +185,15 @@ static mcv_result render_scene(mcv_session *session, const mcv_command *command,
     uint32_t sensor;
     MCV_TRY(mcv_render_options_read(command, &options, error));
     MCV_TRY(mcv_session_sensor(scene, command, &sensor, error));
+    mcv_saves saves;
+    MCV_TRY(begin_saves(r, command, scene, sensor, &saves, error));
     mcv_result result =
         mcv_rendering_run(r, session, command, scene, sensor, &options, &film, &told, error);
     if (result == MCV_OK) result = finish(r, command, seconds_load, picture, stats, error);
+    if (result == MCV_OK && command->part)
+        result = mcv_part_write(command->part, saves.identity, &r->rendered, error);
+    r->saves = NULL;
+    mcv_saves_end(&saves, result == MCV_OK);
     r->rendered = (mcv_rendered){.set = r->rendered.set}; /* the rest ends here */
     mcv_film_free(&film);
     return result;

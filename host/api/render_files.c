@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Renders of the public interface into files. */
+#include "verbs/merge.h"
 #include "verbs/render_files.h"
 
 #include "api/rendering.h"
@@ -8,8 +9,10 @@
 #include "scene/sensor_find.h"
 #include "verbs/grey_picture.h"
 
+#include <limits.h>
 #include <math.h>
 #include <stdlib.h>
+#include <unistd.h>
 
 /* A call, with what it tells. */
 typedef struct files_call {
@@ -84,26 +87,90 @@ static mcv_result expose(files_call *c, const mcv_render_files *files, mcv_error
     return result;
 }
 
+/* A checkpoint is there to go on with, or to be told of. */
+static mcv_result tell_checkpoint(files_call *c, const mcv_saves *saves, mcv_error *error) {
+    mcv_report report;
+    char sentence[PATH_MAX + 160];
+    const bool resume = c->given.command.resume,
+               exists = saves->path && access(saves->path, F_OK) == 0;
+    if (resume == exists) return MCV_OK;
+    snprintf(sentence, sizeof sentence,
+             resume ? "%s: there is no checkpoint: the render begins at its first sample"
+                    : "%s: holds an unfinished render, which --resume goes on with; without it, "
+                      "it is replaced",
+             saves->path ? saves->path : "--checkpoint off");
+    MCV_TRY(mcv_report_keep(&report, c->given.command.json, error));
+    mcv_report_tell(&report, "note", sentence);
+    return tell_report(c, &report, false, error);
+}
+
+static void warn(mcv_rendering *rendering, const char *sentence) {
+    files_call *c = (files_call *)rendering;
+    mcv_report report;
+    mcv_error ignored;
+    if (mcv_report_keep(&report, c->given.command.json, &ignored) != MCV_OK) return;
+    mcv_report_tell(&report, "warning", sentence);
+    (void)tell_report(c, &report, false, &ignored);
+}
+
+/* Renders into the film; previews appear under the name of that of the image. */
+static mcv_result render_film(files_call *c, mcv_scene *scene, mcv_render_options *options,
+                              uint32_t sensor, mcv_film *film, mcv_render_stats *stats,
+                              mcv_early *early, mcv_error *error) {
+    mcv_rendering *r = &c->rendering;
+    r->early = early;
+    mcv_result result = mcv_rendering_run(r, c->session, &c->given.command, scene, sensor, options,
+                                          film, stats, error);
+    r->early = NULL;
+    mcv_early_end(early);
+    if (result == MCV_OK && film->samples == 0)
+        result = mcv_fail(error, MCV_INTERRUPTED, "%s: interrupted before its first sample",
+                          scene->path);
+    return result;
+}
+
+/* An interrupted image does not replace a finished one. */
+static mcv_result choose_files(const mcv_rendering *r, mcv_early *early, mcv_render_files *files,
+                               bool *kept, mcv_error *error) {
+    mcv_render_files others;
+    *kept = r->rendered.stats->interrupted && mcv_render_files_finished(files);
+    if (!*kept) return MCV_OK;
+    mcv_early_withdraw(early);
+    MCV_TRY(mcv_render_files_rename(files, &others, error));
+    *files = others;
+    return MCV_OK;
+}
+
+static mcv_result tell_interrupted(const mcv_saves *saves, const char *finished,
+                                   const mcv_render_files *files, mcv_error *error) {
+    return mcv_fail(error, MCV_INTERRUPTED, "interrupted: what was rendered is saved in %s%s%s%s%s",
+                    files->exr, finished ? "; the finished image stays, " : "",
+                    finished ? finished : "", saves->exists ? "; continue by --resume from " : "",
+                    saves->exists ? saves->path : "");
+}
+
 static mcv_result render_sensor(files_call *c, mcv_scene *scene, mcv_render_options options,
                                 uint32_t sensor, bool several, mcv_error *error) {
-    mcv_render_files files;
+    mcv_render_files files, planned;
     mcv_render_stats stats = {.stage_count = 0};
     mcv_film film = {0};
     mcv_rendering *r = &c->rendering;
     mcv_early early;
+    mcv_saves saves;
+    bool kept = false;
     MCV_TRY(mcv_render_files_plan(&c->given.command, scene, sensor, several, &files, error));
+    planned = files;
     r->begun = mcv_seconds();
     mcv_sensor_label(scene, sensor, r->sensor, sizeof r->sensor);
     mcv_rendering_tell(r, 0, INFINITY, false);
-    mcv_early_begin(&early, scene, sensor, files.png, mcv_rendered_unit(scene, sensor), &options);
-    r->early = &early;
-    mcv_result result = mcv_rendering_run(r, c->session, &c->given.command, scene, sensor, &options,
-                                          &film, &stats, error);
-    r->early = NULL;
-    mcv_early_end(&early);
-    if (result == MCV_OK && film.samples == 0)
-        result = mcv_fail(error, MCV_INTERRUPTED, "%s: interrupted before its first sample",
-                          scene->path);
+    MCV_TRY(mcv_rendering_saves(r, &c->given.command, scene, sensor,
+                                files.film[0] ? files.film : NULL, !c->given.command.checkpoint,
+                                &saves, error));
+    mcv_early_begin(&early, scene, sensor, planned.png, mcv_rendered_unit(scene, sensor), &options);
+    mcv_result result = tell_checkpoint(c, &saves, error);
+    if (result == MCV_OK)
+        result = render_film(c, scene, &options, sensor, &film, &stats, &early, error);
+    if (result == MCV_OK) result = choose_files(r, &early, &files, &kept, error);
     if (result == MCV_OK) {
         mcv_rendering_tell(r, 1, mcv_film_relative_error(&film), true);
         result = write_files(c, &files, early.seconds, error);
@@ -111,12 +178,17 @@ static mcv_result render_sensor(files_call *c, mcv_scene *scene, mcv_render_opti
     if (result != MCV_OK) mcv_early_withdraw(&early);
     mcv_early_free(&early);
     if (result == MCV_OK && files.grey[0]) result = expose(c, &files, error);
+    /* A part that lacks samples would be merged unnoticed; they are in the checkpoint. */
+    if (result == MCV_OK && files.part[0] && !stats.interrupted)
+        result = mcv_part_write(files.part, saves.identity, &r->rendered, error);
     r->rendered = (mcv_rendered){
         .set = r->rendered.set, .hash = r->rendered.hash, .replicates = r->rendered.replicates};
     mcv_film_free(&film);
-    if (result != MCV_OK || !r->stopped) return result;
-    return mcv_fail(error, MCV_INTERRUPTED, "interrupted: what was rendered is saved in %s",
-                    files.exr);
+    if (result == MCV_OK && r->stopped)
+        result = tell_interrupted(&saves, kept ? planned.exr : NULL, &files, error);
+    r->saves = NULL;
+    mcv_saves_end(&saves, result == MCV_OK || (result == MCV_INTERRUPTED && !stats.interrupted));
+    return result;
 }
 
 static mcv_result render_scene(files_call *c, mcv_scene *scene, const mcv_render_options *options,
@@ -166,7 +238,7 @@ mcv_result mcv_session_render_files(mcv_session *session, const mcv_rig *rig, co
     MCV_NEED(session);
     MCV_NEED(rig);
     MCV_TRY(mcv_session_begin(session, error));
-    files_call c = {.rendering = {.call = progress, .user = user, .rig = rig},
+    files_call c = {.rendering = {.call = progress, .user = user, .rig = rig, .warn = warn},
                     .told = told,
                     .session = session};
     c.rendering.host = mcv_border_enter();

@@ -5,6 +5,7 @@
 
 #include "api/early_preview.h"
 #include "api/handles.h"
+#include "api/saves.h"
 #include "report/summary.h"
 #include "verbs/render_picture.h"
 
@@ -19,6 +20,8 @@ typedef struct mcv_rendering {
     char sensor[128]; /* its label */
     bool stopped;     /* a callback has said so */
     mcv_early *early; /* previews before the image, or NULL */
+    mcv_saves *saves; /* checkpoints, or NULL */
+    void (*warn)(struct mcv_rendering *rendering, const char *sentence); /* or NULL */
 } mcv_rendering;
 
 /* All that was set: in the rig, and for this render. The caller frees the items. */
@@ -27,6 +30,12 @@ mcv_result mcv_rendering_changes(mcv_rendering *r, const mcv_rig *rig, const mcv
 
 /* Tells the callback how far it is. */
 void mcv_rendering_tell(mcv_rendering *r, double fraction, double error, bool writing);
+
+/* Begins the checkpoints of a render at this path, NULL: none, and reads the one that --resume goes
+ * on with. After success r->saves is to be ended. */
+mcv_result mcv_rendering_saves(mcv_rendering *r, const mcv_command *command, const mcv_scene *scene,
+                               uint32_t sensor, const char *path, bool by_default, mcv_saves *saves,
+                               mcv_error *error);
 
 /* Renders a sensor into the film, which the caller frees, with what r->rendered needs of it. */
 mcv_result mcv_rendering_run(mcv_rendering *r, mcv_session *session, const mcv_command *command,

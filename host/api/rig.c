@@ -200,6 +200,16 @@ mcv_result mcv_rig_set(mcv_rig *rig, const char *path, const char *value, mcv_er
     return result;
 }
 
+void mcv_rig_take_root(mcv_rig *rig, json_t *root) {
+    char *text = json_dumps(root, JSON_COMPACT | JSON_REAL_PRECISION(17));
+    json_decref(rig->document.root);
+    rig->document.root = root;
+    if (!text) return;
+    rig->hash = mcv_hash_bytes(rig->hash, text, strlen(text));
+    rig->document.fingerprint = mcv_hash_bytes(rig->document.fingerprint, text, strlen(text));
+    free(text);
+}
+
 static mcv_result get_from_rig(const mcv_rig *rig, const char *path, char **json,
                                mcv_error *error) {
     const mcv_json_path place = mcv_place_file(rig->document.path);

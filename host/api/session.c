@@ -141,9 +141,9 @@ mcv_result mcv_session_renderer(mcv_session *s, const char *device, mcv_renderer
 
 mcv_result mcv_session_scene(mcv_session *session, const mcv_rig *rig, const mcv_command *command,
                              mcv_scene **scene, mcv_error *error) {
-    MCV_TRY(mcv_scene_load_document(&rig->document,
-                                    (mcv_overrides){command->set.items, command->set.count},
-                                    session ? session->assets : NULL, scene, error));
+    MCV_TRY(mcv_scene_load_document(
+        &rig->document, (mcv_overrides){command->set.items, command->set.count},
+        (uint64_t)command->memory, session ? session->assets : NULL, scene, error));
     if ((*scene)->sensor_count > 0) return MCV_OK;
     const mcv_result result = mcv_fail(
         error, MCV_BAD_INPUT,

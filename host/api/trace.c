@@ -77,7 +77,7 @@ static mcv_result trace_rig(mcv_session *session, const mcv_rig *rig, const mcv_
                     : mcv_rays_read(command->rays, &r->items, &r->count, error));
     MCV_TRY(mcv_scene_load_document(&rig->document,
                                     (mcv_overrides){command->set.items, command->set.count},
-                                    session->assets, &scene, error));
+                                    (uint64_t)command->memory, session->assets, &scene, error));
     const mcv_result result = trace_scene(command, scene, r, csv, report, error);
     mcv_scene_free(scene);
     return result;

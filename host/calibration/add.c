@@ -31,10 +31,15 @@ static json_t *make_sensor(const mcv_calibration *camera, const char *name, cons
         json_pack("{s:s, s:s}", "name", name, "type", m->telecentric ? "telecentric" : "pinhole");
     if (m->telecentric) {
         json_object_set_new(sensor, "magnification", json_real(pixel[0] / m->object_pixel[0]));
-        json_object_set_new(sensor, "workingDistance",
-                            json_real(m->focused_depth > 0 && isfinite(m->focused_depth)
-                                          ? m->focused_depth
-                                          : usual_distance));
+        /* The film's distance from the stop, m f, counts where the film is tilted. */
+        if (m->lens.tilted || m->lens.model == MCV_BROWN_CONRADY)
+            json_object_set_new(sensor, "focalLength",
+                                json_real(m->film_distance * m->object_pixel[0] / pixel[0]));
+        else
+            json_object_set_new(sensor, "workingDistance",
+                                json_real(m->focused_depth > 0 && isfinite(m->focused_depth)
+                                              ? m->focused_depth
+                                              : usual_distance));
         json_object_set_new(sensor, "fNumber",
                             json_real(m->f_number > 0 ? m->f_number : usual_f_number));
     } else {
@@ -43,6 +48,7 @@ static json_t *make_sensor(const mcv_calibration *camera, const char *name, cons
     json_object_set_new(sensor, "resolution", json_pack("[i,i]", (int)m->size[0], (int)m->size[1]));
     json_object_set_new(sensor, "pixelSize", pair(pixel[0], pixel[1]));
     json_object_set_new(sensor, "principalPoint", pair(centre[0], centre[1]));
+    if (mcv_lens_map_is_used(&m->lens)) mcv_camera_model_put_lens(m, sensor);
     return sensor;
 }
 
@@ -118,7 +124,9 @@ mcv_result mcv_calibration_add(const mcv_calibration *camera, const char *path, 
                         "%s: its pixels of %g x %g m do not have the ratio of its scales in x and "
                         "y: one lens cannot do that",
                         path, size[0], size[1]);
-    json_array_append_new(sensors, make_sensor(camera, name, size));
+    json_t *sensor = make_sensor(camera, name, size);
+    if (!sensor) return mcv_fail(error, MCV_USAGE, "--sensor: the sensor's name must be UTF-8");
+    json_array_append_new(sensors, sensor);
     json_array_append_new(nodes, make_node(m, name, json_array_size(sensors) - 1));
     json_array_append_new(shown, json_integer((json_int_t)json_array_size(nodes) - 1));
     use_extension(document);

@@ -52,7 +52,7 @@ typedef struct mcv_calibration {
 
 /*
  * Reads a file of any of the formats, or COLMAP's folder: its contents tell which one it is.
- * MCV_BAD_INPUT with the file and what is wrong; also for distortion other than 0.
+ * MCV_BAD_INPUT with the file and what is wrong; also for distortion that sensors do not have.
  */
 mcv_result mcv_calibration_read(const char *path, mcv_calibration *camera, mcv_error *error);
 
@@ -66,13 +66,23 @@ mcv_result mcv_calibration_add(const mcv_calibration *camera, const char *path, 
 
 /* --- the parts --- */
 
-/* read_yaml.c and read_halcon.c: of the text of a file. */
+/* read_yaml.c and read_halcon.c: of the text of a file; read_colmap.c: of a folder. */
 mcv_result mcv_calibration_read_yaml(const char *path, const char *text, mcv_calibration *camera,
                                      mcv_error *error);
 mcv_result mcv_calibration_read_halcon(const char *path, const char *text, mcv_calibration *camera,
                                        mcv_error *error);
 
-/* read.c: sets K and its like, c counted from the corner; checks size and lengths. */
+mcv_result mcv_calibration_read_colmap(const char *folder, mcv_calibration *camera,
+                                       mcv_error *error);
+
+/* read.c: the text of a file, to be freed, without a mark of UTF-8 before it. */
+mcv_result mcv_calibration_load(const char *path, char **text, mcv_error *error);
+
+/* read.c: width and height of the image [pixel]; MCV_BAD_INPUT where they are no whole numbers. */
+mcv_result mcv_calibration_set_size(const char *path, const double size[2], mcv_calibration *camera,
+                                    mcv_error *error);
+
+/* read.c: sets K and its like, c counted from the corner; checks lengths and the pose. */
 mcv_result mcv_calibration_set_perspective(const char *path, const double focal[2],
                                            const double centre[2], mcv_calibration *camera,
                                            mcv_error *error);
@@ -80,9 +90,22 @@ mcv_result mcv_calibration_set_telecentric(const char *path, const double object
                                            const double centre[2], mcv_calibration *camera,
                                            mcv_error *error);
 
-/* read.c: MCV_BAD_INPUT where one of the numbers is not 0. */
-mcv_result mcv_calibration_refuse_distortion(const char *path, const double *numbers, size_t count,
-                                             mcv_error *error);
+/* read.c: MCV_BAD_INPUT where one of the numbers of distortion is not finite. */
+mcv_result mcv_calibration_check_numbers(const char *path, const double *numbers, size_t count,
+                                         mcv_error *error);
+
+/* lens.c: OpenCV's coefficients, of which it takes 5, 8, 12 or all; the rest is 0. */
+enum { MCV_OPENCV_COEFFICIENTS = 14 };
+int mcv_lens_to_opencv(const mcv_lens_map *map, double coefficients[MCV_OPENCV_COEFFICIENTS]);
+void mcv_lens_of_opencv(const double coefficients[MCV_OPENCV_COEFFICIENTS], mcv_lens_map *map);
+
+/* lens.c: HALCON's Tilt, not below 0, and Rot, from 0 to 360 [degrees]. */
+void mcv_lens_to_halcon(const mcv_lens_map *map, double *tilt, double *rot);
+
+/* lens.c: MCV_BAD_INPUT where the format cannot hold tilt and distortion of the model. */
+mcv_result mcv_calibration_check_lens(const mcv_camera_model *model, const char *name,
+                                      mcv_calibration_format format, const char *program,
+                                      mcv_error *error);
 
 /* The middle of a telecentric image: what the projection of the camera's axis is. */
 void mcv_calibration_centre(const mcv_camera_model *model, double centre[2]);

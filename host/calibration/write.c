@@ -65,11 +65,13 @@ static void put_pose(FILE *out, bool opencv, const mcv_camera_model *m) {
 }
 
 static void put_k(FILE *out, bool opencv, const mcv_camera_model *m) {
-    static const double zeros[5] = {0};
+    double coefficients[MCV_OPENCV_COEFFICIENTS];
+    const int count = mcv_lens_to_opencv(&m->lens, coefficients);
     const double k[9] = {m->k[0], 0, m->k[2] - half, 0, m->k[4], m->k[5] - half, 0, 0, 1};
     put_matrix(out, opencv, "camera_matrix", 3, 3, k);
-    if (!opencv) fputs("distortion_model: plumb_bob\n", out);
-    put_matrix(out, opencv, "distortion_coefficients", 1, 5, zeros);
+    if (!opencv)
+        fprintf(out, "distortion_model: %s\n", count > 5 ? "rational_polynomial" : "plumb_bob");
+    put_matrix(out, opencv, "distortion_coefficients", 1, (size_t)count, coefficients);
 }
 
 static void put_affine(FILE *out, const mcv_camera_model *m) {
@@ -120,21 +122,38 @@ static void put_ros(FILE *out, const mcv_camera_model *m, const char *name) {
 /* --- HALCON --- */
 
 /* As the arguments of the operator and as the tuple that it makes. */
+static void put_halcon_numbers(FILE *out, const mcv_camera_model *m) {
+    double centre[2], lens[5];
+    size_t count = 2;
+    mcv_calibration_centre(m, centre);
+    lens[0] = m->telecentric ? m->pixel[0] / m->object_pixel[0] : m->k[0] * m->pixel[0];
+    /* A camera without distortion need not have a film's distance. */
+    lens[1] =
+        m->lens.model == MCV_DIVISION ? m->lens.kappa / (m->film_distance * m->film_distance) : 0;
+    if (m->lens.tilted) {
+        lens[2] = m->film_distance;
+        mcv_lens_to_halcon(&m->lens, &lens[3], &lens[4]);
+        count = 5;
+    }
+    const double rest[4] = {m->pixel[0], m->pixel[1], centre[0] - half, centre[1] - half};
+    put_numbers(out, lens, count, ", ");
+    fputs(", ", out);
+    put_numbers(out, rest, 4, ", ");
+    fprintf(out, ", %u, %u", m->size[0], m->size[1]);
+}
+
 static void put_halcon(FILE *out, const mcv_camera_model *m, const char *name) {
-    const char *type = m->telecentric ? "area_scan_telecentric_division" : "area_scan_division";
-    double centre[2], angles[3];
+    static const char *const types[2][2] = {
+        {"area_scan_division", "area_scan_telecentric_division"},
+        {"area_scan_tilt_division", "area_scan_tilt_object_side_telecentric_division"}};
+    const char *type = types[m->lens.tilted][m->telecentric];
+    double angles[3];
     char *numbers = NULL;
     size_t size;
     FILE *list = open_memstream(&numbers, &size);
-    mcv_calibration_centre(m, centre);
     mcv_rotation_to_gba(m->rotation, angles);
     if (list) {
-        const double lens =
-            m->telecentric ? m->pixel[0] / m->object_pixel[0] : m->k[0] * m->pixel[0];
-        const double values[6] = {
-            lens, 0, m->pixel[0], m->pixel[1], centre[0] - half, centre[1] - half};
-        put_numbers(list, values, 6, ", ");
-        fprintf(list, ", %u, %u", m->size[0], m->size[1]);
+        put_halcon_numbers(list, m);
         if (fclose(list) != 0) {
             free(numbers);
             numbers = NULL;
@@ -145,9 +164,10 @@ static void put_halcon(FILE *out, const mcv_camera_model *m, const char *name) {
     put_name(out, name);
     fprintf(out,
             ".\n* Lengths are in metres, angles in degrees. The centre of the first pixel is (0, "
-            "0).\n* %s, Kappa, Sx, Sy, Cx, Cy, ImageWidth, ImageHeight\nCamParam := ['%s', %s]\n"
+            "0).\n* %s, Kappa, %sSx, Sy, Cx, Cy, ImageWidth, ImageHeight\nCamParam := ['%s', %s]\n"
             "gen_cam_par_%s (%s, CamParam)\n",
-            m->telecentric ? "Magnification" : "Focus", type, numbers, type, numbers);
+            m->telecentric ? "Magnification" : "Focus",
+            m->lens.tilted ? "ImagePlaneDist, Tilt, Rot, " : "", type, numbers, type, numbers);
     fputs("* The world in the camera's coordinates.\ncreate_pose (", out);
     put_numbers(out, m->translation, 3, ", ");
     fputs(", ", out);
@@ -162,12 +182,24 @@ static void put_colmap(FILE *out, const mcv_camera_model *m, const char *name, i
     double q[4];
     mcv_rotation_to_quaternion(m->rotation, q);
     if (file == 0) {
-        const double numbers[4] = {m->k[0], m->k[4], m->k[2], m->k[5]};
-        fprintf(out,
-                "# CAMERA_ID, MODEL, WIDTH, HEIGHT, FX, FY, CX, CY\n# The first pixel's corner is "
-                "(0, 0).\n1 PINHOLE %u %u ",
-                m->size[0], m->size[1]);
-        put_numbers(out, numbers, 4, " ");
+        double c[MCV_OPENCV_COEFFICIENTS];
+        const bool distorts = m->lens.model != 0,
+                   full = mcv_lens_to_opencv(&m->lens, c) > 5 || c[4] != 0;
+        /* COLMAP's order is OpenCV's. */
+        const double numbers[12] = {m->k[0], m->k[4], m->k[2], m->k[5], c[0], c[1],
+                                    c[2],    c[3],    c[4],    c[5],    c[6], c[7]};
+        fprintf(
+            out,
+            "# CAMERA_ID, MODEL, WIDTH, HEIGHT, FX, FY, CX, CY%s\n# The first pixel's corner is "
+            "(0, 0).\n1 %s %u %u ",
+            !distorts ? ""
+            : full    ? ", K1, K2, P1, P2, K3, K4, K5, K6"
+                      : ", K1, K2, P1, P2",
+            !distorts ? "PINHOLE"
+            : full    ? "FULL_OPENCV"
+                      : "OPENCV",
+            m->size[0], m->size[1]);
+        put_numbers(out, numbers, !distorts ? 4 : full ? 12 : 8, " ");
         fputc('\n', out);
     } else if (file == 1) {
         fputs("# IMAGE_ID, QW, QX, QY, QZ, TX, TY, TZ, CAMERA_ID, NAME\n# From the world to the "
@@ -235,6 +267,7 @@ mcv_result mcv_calibration_write(const mcv_camera_model *model, const char *name
                         "sensor %s is telecentric: %s has no such model: take --format opencv, "
                         "halcon or json",
                         name, programs[format]);
+    MCV_TRY(mcv_calibration_check_lens(model, name, format, programs[format], error));
     for (int i = 0; i < count; ++i) {
         texts->items[i] = make(model, name, format, i);
         if (texts->items[i]) continue;

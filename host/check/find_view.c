@@ -169,9 +169,15 @@ mcv_result mcv_find_outside(const mcv_scene *scene, mcv_findings *findings, mcv_
 /* With more blur, an edge was not meant to be sharp [pixels]. */
 static const double blurred = 3;
 
-/* The least blur in a range of depths; 0 if the plane in focus lies within. */
+/* The least blur in a range of depths; 0 if the plane in focus lies within. A tilted film is in
+ * focus in a range of depths: a part in it counts as sharp. */
 static double least_blur(const mcv_view *view, const double depth[2], double *at) {
     const double focus = view->optics.focused_depth, near = fmax(depth[0], 0);
+    const double *plane = view->optics.plane_depths;
+    if (isfinite(view->optics.object_tilt) && near <= plane[1] && depth[1] >= plane[0]) {
+        *at = near;
+        return 0;
+    }
     *at = focus < near ? near : focus > depth[1] ? depth[1] : focus;
     if (focus < 0) *at = depth[1]; /* focused beyond infinity */
     return mcv_view_blur(view, *at);

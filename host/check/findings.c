@@ -2,6 +2,7 @@
 #include "check/find.h"
 #include "core/basics.h"
 #include "scene/geometry.h"
+#include "scene/lens_map.h"
 #include "scene/materials.h"
 
 #include <math.h>
@@ -163,6 +164,31 @@ static double film_scale(const mcv_sensor *sensor) {
     }
 }
 
+/* What the border of the image sees through a lens that distorts, or from a tilted film. */
+static void bend_view(const mcv_readout *readout, const mcv_sensor *sensor, mcv_view *view) {
+    enum { STEPS = 16 };
+    const mcv_lens_map map = mcv_sensor_lens_map(sensor);
+    const double h = mcv_sensor_film_distance(sensor),
+                 scale = view->is_telecentric ? sensor->as.telecentric.focalLength : 1;
+    if (!mcv_lens_map_is_used(&map)) return;
+    for (int i = 0; i < 2; ++i) view->film[i][0] = INFINITY, view->film[i][1] = -INFINITY;
+    for (int step = 0; step < 4 * STEPS; ++step) {
+        const double along = step % STEPS / (double)STEPS;
+        const double share[4][2] = {{along, 0}, {1, along}, {1 - along, 1}, {0, 1 - along}};
+        double film[2], u[2], stretch;
+        for (int i = 0; i < 2; ++i)
+            film[i] = (readout->first[i] - readout->centre[i] +
+                       share[step / STEPS][i] * readout->size[i] * readout->binning[i]) *
+                      readout->pitch[i] / h;
+        if (!mcv_lens_map_look(&map, film, u, &stretch)) continue;
+        for (int i = 0; i < 2; ++i) {
+            const double at = (i == 0 ? u[0] : -u[1]) * scale;
+            view->film[i][0] = fmin(view->film[i][0], at);
+            view->film[i][1] = fmax(view->film[i][1], at);
+        }
+    }
+}
+
 mcv_view mcv_view_of(const mcv_sensor *sensor) {
     const mcv_readout readout = mcv_sensor_readout(sensor);
     const double scale = film_scale(sensor);
@@ -177,6 +203,7 @@ mcv_view mcv_view_of(const mcv_sensor *sensor) {
         view.film[i][1] = i == 0 ? last : -first;
         view.pixel[i] = readout.binning[i] * readout.pitch[i] / scale;
     }
+    bend_view(&readout, sensor, &view);
     return view;
 }
 

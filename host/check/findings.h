@@ -56,6 +56,7 @@ typedef struct mcv_findings {
  * - thin_body: closed meshes of a material for thin sheets
  * - outline: meshes whose chords, at an outline in the image, deviate from the curve by more than a
  *   tenth of a pixel
+ * - small_defect: defects below two wavelengths, or below a hundredth of a pixel
  * - growth: silhouettes before a backlight, with the growth of their edges (check/growth.h)
  * - extras: extras of the scene's files, which are ignored
  *
@@ -74,6 +75,7 @@ typedef struct mcv_findings {
     X(flat_glass) \
     X(thin_body) \
     X(outline) \
+    X(small_defect) \
     X(growth) \
     X(extras)
 

@@ -125,7 +125,8 @@ bool mcv_put_drawing(mcv_drawing *c) {
     fprintf(c->out, "<path class=\"axis\" d=\"M%.1f %.1fH%.1f\"/>\n", mcv_drawing_x(c, c->depth[0]),
             mcv_drawing_y(c, 0), mcv_drawing_x(c, c->depth[1]));
     const double film[3] = {c->film[0], 0.5 * (c->film[0] + c->film[1]), c->film[1]};
-    for (int k = 0; k < 3; ++k) mcv_put_rays(c, k, film[k]);
+    if (c->overlay) c->overlay(c, c->user);
+    for (int k = 0; k < 3 && !c->overlay; ++k) mcv_put_rays(c, k, film[k]);
     fputs("</g>\n", c->out);
     mcv_put_dimensions(c, parts);
     fclose(c->out);

@@ -17,8 +17,12 @@ typedef struct mcv_drawing_point {
     double depth, height;
 } mcv_drawing_point;
 
+/* Puts what lies over a drawing. */
+typedef struct mcv_drawing mcv_drawing;
+typedef void mcv_drawing_overlay(const mcv_drawing *c, void *user);
+
 /* One drawing: its contents, its place, and the names on it. */
-typedef struct mcv_drawing {
+struct mcv_drawing {
     FILE *out;
     const mcv_scene *scene;
     const mcv_view *view;
@@ -36,7 +40,9 @@ typedef struct mcv_drawing {
         double x, y, half; /* [CSS pixels] */
     } names[MCV_DRAWING_NAMES];
     int name_count;
-} mcv_drawing;
+    mcv_drawing_overlay *overlay; /* or NULL */
+    void *user;                   /* of it */
+};
 
 static inline double mcv_drawing_x(const mcv_drawing *c, double depth) {
     return c->left + (depth - c->depth[0]) * c->scale[0];

@@ -48,7 +48,8 @@ static void put_numbers(FILE *out, const mcv_view *view) {
     fputs("</table>\n", out);
 }
 
-bool mcv_setup_put_view(FILE *out, const mcv_scene *scene, uint32_t index, bool above) {
+bool mcv_setup_put_view(FILE *out, const mcv_scene *scene, uint32_t index, bool above,
+                        mcv_drawing_overlay *overlay, void *user) {
     const mcv_sensor *sensor = scene->sensors + index;
     const mcv_view view = mcv_view_of(sensor);
     if (isnan(view.film[0][0])) return true;
@@ -58,7 +59,9 @@ bool mcv_setup_put_view(FILE *out, const mcv_scene *scene, uint32_t index, bool 
                      .view = &view,
                      .from_above = above,
                      .focus = view.optics.focused_depth,
-                     .number = (int)(2 * index) + above};
+                     .number = (int)(2 * index) + above,
+                     .overlay = overlay,
+                     .user = user};
     c.film[0] = above ? -view.film[axis][1] : view.film[axis][0];
     c.film[1] = above ? -view.film[axis][0] : view.film[axis][1];
     switch (sensor->type) {
@@ -88,7 +91,7 @@ static bool put_sensor(FILE *out, const mcv_scene *scene, uint32_t index) {
     fprintf(out, " <small>%s</small></h2>\n", mcv_sensor_types[sensor->type]);
     put_numbers(out, &view);
     for (int above = 0; above < 2; ++above)
-        if (!mcv_setup_put_view(out, scene, index, above)) return false;
+        if (!mcv_setup_put_view(out, scene, index, above, NULL, NULL)) return false;
     fputs("</section>\n", out);
     return true;
 }

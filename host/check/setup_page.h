@@ -5,6 +5,7 @@
 #define MCVISI_HOST_CHECK_SETUP_PAGE_H
 
 #include "check/findings.h"
+#include "check/setup_drawing.h"
 
 #include <stdio.h>
 
@@ -14,9 +15,11 @@ mcv_result mcv_setup_page_write(const char *path, const mcv_scene *scene,
 
 /*
  * The drawing of one sensor's set-up alone, from the side or from above, as a figure for a page
- * with the style mcv_setup_css (io/embedded.h). Nothing for a type of sensor whose optics are not
- * known. False without memory.
+ * with the style mcv_setup_css (io/embedded.h); the overlay is put in place of the rays of its
+ * optics, or is NULL. Nothing for a type of sensor whose optics are not known. False without
+ * memory.
  */
-bool mcv_setup_put_view(FILE *out, const mcv_scene *scene, uint32_t sensor, bool from_above);
+bool mcv_setup_put_view(FILE *out, const mcv_scene *scene, uint32_t sensor, bool from_above,
+                        mcv_drawing_overlay *overlay, void *user);
 
 #endif

@@ -3,6 +3,7 @@
 #include "cl/cl.h"
 
 #include <stdint.h>
+#include <stdio.h>
 #include <sys/mman.h>
 
 /*
@@ -20,6 +21,13 @@ static void prefer_large_pages(mcv_cl *cl, cl_mem buffer, size_t size) {
                     last = ((uintptr_t)start + size) / page * page;
     madvise((void *)first, last - first, MADV_HUGEPAGE);
     clEnqueueUnmapMemObject(cl->queue, buffer, start, 0, NULL, NULL);
+}
+
+mcv_result mcv_cl_check(const mcv_cl *cl, cl_int code, const char *what, mcv_error *error) {
+    if (code == CL_SUCCESS) return MCV_OK;
+    return mcv_fail(error, MCV_DEVICE,
+                    "%s failed on %s with %s: try again, or take another device (`mcvisi devices`)",
+                    what, cl->name, mcv_cl_error_name(code));
 }
 
 mcv_result mcv_cl_buffer(mcv_cl *cl, const char *what, size_t bytes, const void *data,
@@ -44,25 +52,30 @@ mcv_result mcv_cl_buffer(mcv_cl *cl, const char *what, size_t bytes, const void 
 
 mcv_result mcv_cl_read(mcv_cl *cl, cl_mem buffer, size_t offset, size_t bytes, void *data,
                        mcv_error *error) {
-    if (bytes > 0)
-        MCV_TRY_CL(
-            clEnqueueReadBuffer(cl->queue, buffer, CL_TRUE, offset, bytes, data, 0, NULL, NULL),
-            error);
-    return MCV_OK;
+    if (bytes == 0) return MCV_OK;
+    return mcv_cl_check(
+        cl, clEnqueueReadBuffer(cl->queue, buffer, CL_TRUE, offset, bytes, data, 0, NULL, NULL),
+        "reading from the device", error);
 }
 
 mcv_result mcv_cl_write(mcv_cl *cl, cl_mem buffer, size_t offset, size_t bytes, const void *data,
                         mcv_error *error) {
-    if (bytes > 0)
-        MCV_TRY_CL(
-            clEnqueueWriteBuffer(cl->queue, buffer, CL_TRUE, offset, bytes, data, 0, NULL, NULL),
-            error);
-    return MCV_OK;
+    if (bytes == 0) return MCV_OK;
+    return mcv_cl_check(
+        cl, clEnqueueWriteBuffer(cl->queue, buffer, CL_TRUE, offset, bytes, data, 0, NULL, NULL),
+        "writing to the device", error);
 }
 
 mcv_result mcv_cl_finish(mcv_cl *cl, mcv_error *error) {
-    MCV_TRY_CL(clFinish(cl->queue), error);
-    return MCV_OK;
+    return mcv_cl_check(cl, clFinish(cl->queue), "waiting for the device", error);
+}
+
+mcv_result mcv_cl_clear(mcv_cl *cl, cl_mem buffer, size_t bytes, mcv_error *error) {
+    const cl_uint nothing = 0;
+    return mcv_cl_check(
+        cl,
+        clEnqueueFillBuffer(cl->queue, buffer, &nothing, sizeof nothing, 0, bytes, 0, NULL, NULL),
+        "clearing a buffer on the device", error);
 }
 
 void mcv_cl_release(cl_mem *buffer) {
@@ -84,8 +97,9 @@ mcv_result mcv_cl_launch(mcv_cl *cl, cl_kernel kernel, size_t global, size_t loc
     if (code == CL_SUCCESS) return MCV_OK;
     char name[128] = "";
     clGetKernelInfo(kernel, CL_KERNEL_FUNCTION_NAME, sizeof name, name, NULL);
-    return mcv_fail(error, MCV_DEVICE, "the launch of kernel %s failed with %s", name,
-                    mcv_cl_error_name(code));
+    char what[192];
+    snprintf(what, sizeof what, "the launch of kernel %s", name);
+    return mcv_cl_check(cl, code, what, error);
 }
 
 double mcv_cl_seconds(cl_event event) {

@@ -6,9 +6,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 
 #include "cl/cache.h"
 #include "cl/flatten.h"
+#include "cl/pocl_cache.h"
 #include "cl/program_cache.h"
 #include "cl/programs.h"
 
@@ -103,6 +105,7 @@ mcv_result mcv_cl_list(void (*told)(void *user, unsigned index, const mcv_cl *de
                        mcv_error *error) {
     cl_platform_id platforms[MAX_PLATFORMS];
     cl_uint platform_count = 0;
+    MCV_TRY(mcv_pocl_check(error));
     const cl_int code = clGetPlatformIDs(MAX_PLATFORMS, platforms, &platform_count);
     if (code != CL_SUCCESS) platform_count = 0; /* the loader reports "no platform" as an error */
     if (platform_count > MAX_PLATFORMS) platform_count = MAX_PLATFORMS;
@@ -120,6 +123,13 @@ mcv_result mcv_cl_list(void (*told)(void *user, unsigned index, const mcv_cl *de
         }
     }
     if (index > 0) return MCV_OK;
+    struct rlimit space;
+    if (getrlimit(RLIMIT_AS, &space) == 0 && space.rlim_cur != RLIM_INFINITY)
+        return mcv_fail(error, MCV_DEVICE,
+                        "no OpenCL driver could be loaded within the limit of the address space, "
+                        "which is %.4g MB (ulimit -v): drivers need some GB of addresses, most of "
+                        "it without memory; raise the limit, and bound the memory by --memory",
+                        1e-6 * (double)space.rlim_cur);
     return mcv_fail(error, MCV_DEVICE,
                     "no OpenCL device was found: install an OpenCL driver, such as Debian's "
                     "pocl-opencl-icd for the CPU");
@@ -224,12 +234,11 @@ mcv_result mcv_cl_open(const char *which, mcv_cl *cl, mcv_error *error) {
     *cl = c.cl;
     cl_int code;
     cl->context = mcv_cached_context(cl->device, &code);
-    MCV_TRY_CL(code, error);
+    MCV_TRY(mcv_cl_check(cl, code, "making a context", error));
     cl->queue = clCreateCommandQueue(cl->context, cl->device, CL_QUEUE_PROFILING_ENABLE, &code);
-    if (code == CL_SUCCESS) return MCV_OK;
-    mcv_cl_close(cl);
-    return mcv_fail(error, MCV_DEVICE, "clCreateCommandQueue failed with %s",
-                    mcv_cl_error_name(code));
+    const mcv_result result = mcv_cl_check(cl, code, "making a command queue", error);
+    if (result != MCV_OK) mcv_cl_close(cl);
+    return result;
 }
 
 void mcv_cl_close(mcv_cl *cl) {

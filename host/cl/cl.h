@@ -57,6 +57,8 @@ mcv_result mcv_cl_read(mcv_cl *cl, cl_mem buffer, size_t offset, size_t bytes, v
 mcv_result mcv_cl_write(mcv_cl *cl, cl_mem buffer, size_t offset, size_t bytes, const void *data,
                         mcv_error *error); /* waits */
 mcv_result mcv_cl_finish(mcv_cl *cl, mcv_error *error);
+/* Fills the first `bytes`, a multiple of 4, with zeros, without waiting. */
+mcv_result mcv_cl_clear(mcv_cl *cl, cl_mem buffer, size_t bytes, mcv_error *error);
 void mcv_cl_release(cl_mem *buffer); /* NULL is fine; nulls it */
 
 /* A kernel argument: MCV_ARG(x) takes any lvalue (cl_mem, cl_uint, a struct). */
@@ -82,13 +84,8 @@ double mcv_cl_seconds(cl_event event);
 /* "CL_OUT_OF_RESOURCES" for -5, and so on. */
 const char *mcv_cl_error_name(cl_int code);
 
-/* Returns from the calling function with MCV_DEVICE and a sentence if an OpenCL call fails. */
-#define MCV_TRY_CL(call, error) \
-    do { \
-        const cl_int mcv_code = (call); \
-        if (mcv_code != CL_SUCCESS) \
-            return mcv_fail((error), MCV_DEVICE, "%s failed with %s", #call, \
-                            mcv_cl_error_name(mcv_code)); \
-    } while (0)
+/* MCV_DEVICE with a sentence unless the code of an OpenCL call is CL_SUCCESS; `what` is what it did
+ * ("reading from the device"). */
+mcv_result mcv_cl_check(const mcv_cl *cl, cl_int code, const char *what, mcv_error *error);
 
 #endif

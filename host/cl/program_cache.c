@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "cl/program_cache.h"
 
+#include "cl/pocl_cache.h"
+
 #include <pthread.h>
 #include <stdbool.h>
 #include <stdio.h>
@@ -35,7 +37,10 @@ cl_context mcv_cached_context(cl_device_id device, cl_int *code) {
     *code = CL_SUCCESS;
     pthread_mutex_lock(&cache.lock);
     if (cache.device != device) forget_device();
-    if (!cache.context) cache.context = clCreateContext(NULL, 1, &device, NULL, NULL, code);
+    if (!cache.context) {
+        mcv_pocl_mend(); /* once for each device: the driver reads its files from here on */
+        cache.context = clCreateContext(NULL, 1, &device, NULL, NULL, code);
+    }
     cache.device = device;
     cl_context context = cache.context;
     if (context) clRetainContext(context);

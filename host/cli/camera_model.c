@@ -2,6 +2,7 @@
 /* mcvisi camera-model: the camera model of a sensor as other programs have it, and back. */
 #include "cli/client.h"
 #include "cli/verbs.h"
+#include "core/basics.h"
 
 #include <libgen.h>
 #include <limits.h>
@@ -18,7 +19,7 @@ static mcv_result export_model(const mcv_command *command, mcv_error *error) {
     if (result == MCV_OK) result = mcv_rig_open(command->argument, &rig, error);
     if (result == MCV_OK)
         result = mcv_rig_camera_model(rig, options, command->model ? NULL : &text, error);
-    if (text) fputs(text, stdout);
+    if (text) mcv_print_plain(stdout, text);
     mcv_text_free(text);
     mcv_rig_free(rig);
     free(options);

@@ -2,7 +2,9 @@
 #include "cli/client.h"
 
 #include "cli/tell.h"
+#include "core/basics.h"
 
+#include <libgen.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -20,7 +22,10 @@ mcv_result mcv_client_options(const mcv_command *command, const char *const *wit
     if (!without) without = none;
     for (int i = 2; i < command->argc; ++i) {
         const char *word = command->argv[i];
-        if (word != command->argument && word != command->second && !is_utf8(word))
+        bool argument = word == command->argument || word == command->second;
+        for (size_t k = 0; k < command->arguments.count; ++k)
+            argument = argument || word == command->arguments.items[k];
+        if (!argument && !is_utf8(word))
             return mcv_fail(error, MCV_USAGE, "%s: is no UTF-8 text", word);
     }
     json_t *options = mcv_command_json(command, without);
@@ -61,6 +66,20 @@ void mcv_client_close(mcv_client *client) {
     free(client->options);
 }
 
+mcv_result mcv_client_rig(const json_t *document, const char *path, char rig[PATH_MAX],
+                          mcv_error *error) {
+    char copy[PATH_MAX];
+    const char *name = json_string_value(json_object_get(document, "rig"));
+    snprintf(copy, sizeof copy, "%s", path);
+    if (!name)
+        return mcv_fail(error, MCV_BAD_INPUT,
+                        "%s: rig: is missing: the scene, as in \"rig\": \"part.gltf\"", path);
+    if (snprintf(rig, PATH_MAX, "%s%s%s", name[0] == '/' ? "" : dirname(copy),
+                 name[0] == '/' ? "" : "/", name) >= PATH_MAX)
+        return mcv_fail(error, MCV_BAD_INPUT, "%s: rig: the path is too long", path);
+    return MCV_OK;
+}
+
 static void print_notes(const json_t *report) {
     size_t i;
     const json_t *note;
@@ -82,11 +101,12 @@ static mcv_result print_json(const char *report, mcv_error *error) {
     json_t *document = json_loads(report, 0, NULL);
     print_notes(document);
     json_object_del(document, "notes");
-    const int failed = json_dumpf(document, stdout, JSON_INDENT(2) | JSON_REAL_PRECISION(17));
+    char *text = json_dumps(document, JSON_INDENT(2) | JSON_REAL_PRECISION(17));
     json_decref(document);
-    putchar('\n');
-    return failed ? mcv_fail(error, MCV_FAILED, "the JSON could not be written to standard output")
-                  : MCV_OK;
+    if (!text) return mcv_fail(error, MCV_FAILED, "no memory for the JSON");
+    mcv_client_line(text); /* what it escapes is escaped as JSON does */
+    free(text);
+    return MCV_OK;
 }
 
 /* The length of a first line "warning: SENTENCE", 0 where it is none; *severity: its word. */
@@ -110,7 +130,12 @@ void mcv_client_text(const char *text) {
         if (sentence) mcv_tell(severity, sentence);
         free(sentence);
     }
-    fputs(text, stdout);
+    mcv_print_plain(stdout, text);
+}
+
+void mcv_client_line(const char *text) {
+    mcv_print_plain(stdout, text);
+    putchar('\n');
 }
 
 mcv_result mcv_client_print(char *report, bool json, mcv_error *error) {

@@ -5,6 +5,8 @@
 
 #include "options/command.h"
 
+#include <limits.h>
+
 /* The command's options as the library takes them, without those of `without` (names, NULL at the
  * end; or NULL); the caller frees the text. MCV_USAGE where one is no UTF-8 text, which JSON cannot
  * hold. */
@@ -14,6 +16,10 @@ mcv_result mcv_client_options(const mcv_command *command, const char *const *wit
 /* The path without the ending of its file name, with another ending: a default name. The caller
  * frees it. MCV_USAGE where it is no UTF-8 text. */
 mcv_result mcv_client_name(const char *path, const char *ending, char **name, mcv_error *error);
+
+/* The scene of an experiment's file, relative to its folder. MCV_BAD_INPUT where it has none. */
+mcv_result mcv_client_rig(const json_t *document, const char *path, char rig[PATH_MAX],
+                          mcv_error *error);
 
 /* What verbs that work on a scene begin with. */
 typedef struct mcv_client {
@@ -34,6 +40,9 @@ mcv_result mcv_client_print(char *report, bool json, mcv_error *error);
 
 /* Prints the notes of a report in JSON only. False where the report is nothing else. */
 bool mcv_client_notes(const char *report);
+
+/* Prints a text, JSON for example, and a line feed to standard output. */
+void mcv_client_line(const char *text);
 
 /* Prints a text for people to standard output, and the notes before it to standard error. */
 void mcv_client_text(const char *text);

@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Ctrl-C and SIGTERM: the first signal requests to finish and save, the second ends the program at
- * once. */
+/*
+ * Signals. SIGINT, SIGTERM, SIGHUP and SIGXCPU request to finish and save; the second of them ends
+ * the program at once. SIGUSR1 requests to save and go on. A file above the limit of its size is an
+ * error of its write, no signal.
+ */
 #ifndef MCVISI_HOST_CLI_INTERRUPT_H
 #define MCVISI_HOST_CLI_INTERRUPT_H
 
@@ -8,14 +11,33 @@
 
 #include <signal.h>
 
-/* The signal that was received, or 0. */
+/* The signal that requests to end, or 0. */
 extern volatile sig_atomic_t mcv_interrupt;
 
-/* Installs the handlers for both signals. While saving, the second signal is blocked, so that no
- * temporary file remains. */
+/* SIGUSR1 was received since this was set to 0. */
+extern volatile sig_atomic_t mcv_save_request;
+
+/* To be called first: SIGXFSZ is ignored. */
+void mcv_interrupt_prepare(void);
+
+/* Installs the handler of SIGUSR1, which would end the program. */
+void mcv_interrupt_watch_saves(void);
+
+/*
+ * Installs all handlers, unless a signal to end was received. While saving, the second signal is
+ * blocked, so that no temporary file remains. To be called again after kernels were compiled: LLVM
+ * in OpenCL drivers installs handlers of its own. SIGHUP stays ignored where it was (nohup).
+ */
 void mcv_interrupt_watch(bool saving);
 
-/* MCV_OK, or MCV_INTERRUPTED or MCV_TERMINATED after a signal. */
+/* MCV_INTERRUPTED or MCV_TERMINATED after a signal to end, else MCV_OK. */
 mcv_result mcv_interrupt_result(void);
+
+/*
+ * The exit code: 128 and the number of the signal that ended the work, else that of the result. A
+ * device that fails after the signal fails because of it: the compilers that drivers start receive
+ * the signal too, and LLVM removes their files. The sentence then says so.
+ */
+int mcv_interrupt_code(mcv_result result, mcv_error *error);
 
 #endif

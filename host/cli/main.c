@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The program: one verb per file beside this one. */
-#include "cli/verbs.h"
+#include "cli/interrupt.h"
 #include "cli/tell.h"
+#include "cli/verbs.h"
 
 #include <errno.h>
 #include <stdio.h>
@@ -45,9 +46,11 @@ static mcv_result run(int argc, char **argv, mcv_error *error) {
 
 int main(int argc, char **argv) {
     mcv_error error = {""};
+    mcv_interrupt_prepare();
     mcv_result result = run(argc, argv, &error);
     if (fflush(stdout) != 0 && result == MCV_OK)
         result = mcv_fail(&error, MCV_FAILED, "standard output: %s", strerror(errno));
+    const int code = mcv_interrupt_code(result, &error);
     if (error.text[0]) mcv_tell(NULL, error.text);
-    return result;
+    return code;
 }

@@ -68,7 +68,7 @@ bool mcv_progress_report(mcv_progress_line *line, double fraction, double second
                          100 * fmin(fraction, 1), reached, spent, left);
     if (width >= (int)sizeof text) width = (int)sizeof text - 1;
     if (line->terminal) fputc('\r', line->stream);
-    mcv_print_plain(line->stream, text);
+    mcv_print_line(line->stream, text);
     if (!line->terminal)
         fputc('\n', line->stream);
     else

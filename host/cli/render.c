@@ -5,6 +5,7 @@
 #include "cli/progress.h"
 #include "cli/verbs.h"
 
+#include <math.h>
 #include <stdio.h>
 
 /* What is shown while it renders. */
@@ -34,6 +35,12 @@ static bool on_progress(void *user, const mcv_progress *progress) {
         s->open = true;
         return mcv_interrupt == 0;
     }
+    if (mcv_save_request) {
+        mcv_error ignored;
+        mcv_save_request = 0;
+        (void)mcv_progress_save(progress, &ignored);
+    }
+    if (!isnan(progress->fraction)) mcv_interrupt_watch(false);
     s->line.picture = progress->preview;
     return mcv_progress_report(&s->line, progress->fraction, progress->seconds, progress->error);
 }
@@ -43,13 +50,14 @@ static bool on_told(void *user, const char *report) {
     if (!s->command->json)
         mcv_client_text(report);
     else if (mcv_client_notes(report))
-        puts(report);
+        mcv_client_line(report);
     return mcv_interrupt == 0;
 }
 
 mcv_result mcv_verb_render(const mcv_command *command, mcv_error *error) {
     shown s = {.command = command};
     mcv_client client;
+    mcv_interrupt_watch_saves();
     mcv_result result = mcv_client_open(command, command->argument, &client, error);
     if (result == MCV_OK)
         result = mcv_session_render_files(client.session, client.rig, client.options, on_progress,

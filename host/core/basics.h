@@ -27,8 +27,14 @@ uint64_t mcv_hash_bytes(uint64_t hash, const void *data, size_t size);
  * "%.*s". */
 int mcv_whole_characters(const char *text, int most);
 
-/* Prints a name from a file, or a text with one. Control characters except line feeds (U+0001 to
- * U+001F and U+007F to U+009F) are printed as in JSON, so that they cannot control a terminal. */
+/* The character at the begin of a text and the bytes that it takes in UTF-8; 0 where they are
+ * none. */
+int mcv_character(const char *text, uint32_t *code);
+
+/* Prints a text that may hold names from a file. Control characters except line feeds, and those
+ * that turn the direction of writing, are printed as in JSON (\u001b), bytes that are not UTF-8 as
+ * \x9b: they cannot control a terminal. mcv_print_line: a name, in which line feeds are so, too. */
 void mcv_print_plain(FILE *out, const char *text);
+void mcv_print_line(FILE *out, const char *text);
 
 #endif

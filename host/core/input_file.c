@@ -8,41 +8,75 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-static mcv_result read_all(int fd, const char *path, mcv_bytes *bytes, const mcv_json_path *place,
-                           mcv_error *error) {
+static mcv_result open_regular(const char *path, int *fd, uint64_t *size,
+                               const mcv_json_path *place, mcv_error *error) {
     struct stat status;
-    if (fstat(fd, &status) != 0)
-        return mcv_fail_at(place, error, "\"%s\" cannot be read: %s", path, strerror(errno));
-    if (S_ISDIR(status.st_mode))
-        return mcv_fail_at(place, error, "\"%s\" is a directory, but must be a file", path);
-    if (!S_ISREG(status.st_mode))
-        return mcv_fail_at(place, error, "\"%s\" is a device or pipe, but must be a regular file",
-                           path);
-    bytes->size = (size_t)status.st_size;
-    bytes->data = malloc(bytes->size ? bytes->size : 1);
-    if (!bytes->data) return mcv_fail_memory(place, error);
-    for (size_t done = 0; done < bytes->size;) {
-        const ssize_t n = read(fd, bytes->data + done, bytes->size - done);
+    const char *wrong = NULL;
+    *size = 0;
+    /* O_NONBLOCK: otherwise a pipe without a writer would block here. Regular files ignore it. */
+    *fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    if (*fd < 0)
+        return mcv_fail_at(place, error, "\"%s\" cannot be opened: %s", path, strerror(errno));
+    if (fstat(*fd, &status) != 0)
+        wrong = "cannot be read";
+    else if (S_ISDIR(status.st_mode))
+        wrong = "is a directory, but must be a file";
+    else if (!S_ISREG(status.st_mode))
+        wrong = "is a device or pipe, but must be a regular file";
+    else
+        *size = (uint64_t)status.st_size;
+    if (!wrong) return MCV_OK;
+    close(*fd);
+    return mcv_fail_at(place, error, "\"%s\" %s", path, wrong);
+}
+
+static mcv_result read_part(int fd, const char *path, uint64_t first, uint64_t size, uint8_t *bytes,
+                            const mcv_json_path *place, mcv_error *error) {
+    for (uint64_t done = 0; done < size;) {
+        const ssize_t n = pread(fd, bytes + done, size - done, (off_t)(first + done));
         if (n < 0 && errno == EINTR) continue;
-        if (n <= 0) {
-            free(bytes->data);
-            bytes->data = NULL;
+        if (n <= 0)
             return mcv_fail_at(place, error, "\"%s\" cannot be read: %s", path,
                                n ? strerror(errno) : "it has become shorter");
-        }
-        done += (size_t)n;
+        done += (uint64_t)n;
     }
     return MCV_OK;
 }
 
 mcv_result mcv_file_read(const char *path, mcv_bytes *bytes, const mcv_json_path *place,
                          mcv_error *error) {
+    uint64_t size;
+    int fd;
     *bytes = (mcv_bytes){NULL, 0};
-    /* O_NONBLOCK: otherwise a pipe without a writer would block here. Regular files ignore it. */
-    const int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-    if (fd < 0)
-        return mcv_fail_at(place, error, "\"%s\" cannot be opened: %s", path, strerror(errno));
-    const mcv_result result = read_all(fd, path, bytes, place, error);
+    MCV_TRY(open_regular(path, &fd, &size, place, error));
+    mcv_result result = MCV_OK;
+    bytes->data = malloc(size ? size : 1);
+    bytes->size = size;
+    if (bytes->data)
+        result = read_part(fd, path, 0, size, bytes->data, place, error);
+    else
+        result = mcv_fail_memory(place, error);
+    close(fd);
+    if (result == MCV_OK) return MCV_OK;
+    free(bytes->data);
+    *bytes = (mcv_bytes){NULL, 0};
+    return result;
+}
+
+mcv_result mcv_file_size(const char *path, uint64_t *size, const mcv_json_path *place,
+                         mcv_error *error) {
+    int fd;
+    MCV_TRY(open_regular(path, &fd, size, place, error));
+    close(fd);
+    return MCV_OK;
+}
+
+mcv_result mcv_file_read_part(const char *path, uint64_t first, uint64_t size, uint8_t *bytes,
+                              const mcv_json_path *place, mcv_error *error) {
+    uint64_t whole;
+    int fd;
+    MCV_TRY(open_regular(path, &fd, &whole, place, error));
+    const mcv_result result = read_part(fd, path, first, size, bytes, place, error);
     close(fd);
     return result;
 }
@@ -126,6 +160,21 @@ mcv_result mcv_file_resolve(const char *base, const char *uri, char **path,
     }
     free(joined);
     return mcv_fail_at(place, error, "\"%.64s\" %s", uri, wrong);
+}
+
+bool mcv_file_is_same(const char *base, const char *uri, const char *other) {
+    const mcv_json_path place = mcv_place_file(base);
+    struct stat status[2];
+    mcv_error ignored;
+    char *path = NULL;
+    for (int i = 0; i < 2; ++i) {
+        if (mcv_file_resolve(base, i ? other : uri, &path, &place, &ignored) != MCV_OK)
+            return false;
+        const bool exists = path && stat(path, status + i) == 0;
+        free(path);
+        if (!exists) return false;
+    }
+    return status[0].st_dev == status[1].st_dev && status[0].st_ino == status[1].st_ino;
 }
 
 static uint32_t little_endian(const uint8_t *p) {

@@ -5,6 +5,8 @@
 
 #include "core/json_path.h"
 
+#include <stdbool.h>
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -17,6 +19,15 @@ typedef struct mcv_bytes {
 /* Reads the whole file; the caller frees bytes->data. `place` is where the file is named. */
 mcv_result mcv_file_read(const char *path, mcv_bytes *bytes, const mcv_json_path *place,
                          mcv_error *error);
+
+/* The size of a regular file; and `size` bytes of it from byte `first` on. */
+mcv_result mcv_file_size(const char *path, uint64_t *size, const mcv_json_path *place,
+                         mcv_error *error);
+mcv_result mcv_file_read_part(const char *path, uint64_t first, uint64_t size, uint8_t *bytes,
+                              const mcv_json_path *place, mcv_error *error);
+
+/* Do two relative URIs beside the file `base` lead to one file? */
+bool mcv_file_is_same(const char *base, const char *uri, const char *other);
 
 /*
  * The path of a relative URI beside the file `base`, percent-decoded. Refused are schemes, absolute

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "core/json.h"
 
+#include "core/basics.h"
 #include "mcvisi/dialect.h"
 
 #include <stdlib.h>
@@ -130,6 +131,21 @@ mcv_result mcv_json_object(const json_t *object, const char *key, json_t **out,
                            const mcv_json_path *place, mcv_error *error) {
     *out = json_object_get(object, key);
     return !*out || json_is_object(*out) ? MCV_OK : fail_type(*out, "an object", place, key, error);
+}
+
+json_t *mcv_json_text(const char *text) {
+    static const char replacement[] = "\xef\xbf\xbd";
+    char *valid = malloc(strlen(replacement) * strlen(text) + 1), *end = valid;
+    if (!valid) return NULL;
+    for (uint32_t code; *text;) {
+        const int length = mcv_character(text, &code);
+        memcpy(end, length ? text : replacement, length ? (size_t)length : strlen(replacement));
+        end += length ? (size_t)length : strlen(replacement);
+        text += length ? length : 1;
+    }
+    json_t *string = json_stringn(valid, (size_t)(end - valid));
+    free(valid);
+    return string;
 }
 
 json_t *mcv_json_extension(const json_t *object, const char *name) {

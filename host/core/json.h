@@ -36,6 +36,9 @@ mcv_result mcv_json_array(const json_t *object, const char *key, json_t **out,
 mcv_result mcv_json_object(const json_t *object, const char *key, json_t **out,
                            const mcv_json_path *place, mcv_error *error);
 
+/* A JSON string of a text; bytes that are not UTF-8, as paths may have, become U+FFFD. */
+json_t *mcv_json_text(const char *text);
+
 /* The object extensions/NAME of an object, or NULL. */
 json_t *mcv_json_extension(const json_t *object, const char *name);
 

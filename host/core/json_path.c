@@ -51,6 +51,8 @@ mcv_result mcv_fail_at(const mcv_json_path *place, mcv_error *error, const char 
     va_start(arguments, format);
     append(sentence.text, size, length, format, arguments);
     va_end(arguments);
+    for (char *c = sentence.text; *c; ++c) /* a name may not begin a line of its own */
+        if (*c == '\n' || *c == '\r') *c = ' ';
     *error = sentence;
     return MCV_BAD_INPUT;
 }

@@ -7,6 +7,7 @@
 
 #include "accel/bvh.h"
 #include "device/light.h"
+#include "scene/motion.h"
 #include "scene/sensors.h"
 
 /* The device structs of all sensors, for the size of the buffer. */
@@ -282,7 +283,6 @@ static mcv_result open_splats(mcv_cl *cl, const mcv_sensor *sensor, mcv_device_s
     const uint32_t replicates =
         frame->replicates > MCV_LIGHT_REPLICATES ? frame->replicates : MCV_LIGHT_REPLICATES;
     const size_t bytes = 8 * (size_t)frame->width * frame->height * packed->channels * replicates;
-    const cl_uint nothing = 0;
     frame->light_cdf = packed->light_cdf;
     frame->ball_count = packed->ball_count;
     memcpy(frame->balls, packed->balls, sizeof frame->balls);
@@ -292,10 +292,7 @@ static mcv_result open_splats(mcv_cl *cl, const mcv_sensor *sensor, mcv_device_s
         ++frame->log2_pixels;
     mcv_frame_thin_light(frame, mcv_light_thinning(packed, sensor));
     MCV_TRY(mcv_cl_buffer(cl, "what light paths bring", bytes, NULL, &device->splats, error));
-    MCV_TRY_CL(clEnqueueFillBuffer(cl->queue, device->splats, &nothing, sizeof nothing, 0, bytes, 0,
-                                   NULL, NULL),
-               error);
-    return MCV_OK;
+    return mcv_cl_clear(cl, device->splats, bytes, error);
 }
 
 mcv_result mcv_device_scene_place(mcv_cl *cl, const mcv_scene *scene, uint32_t sensor,
@@ -331,7 +328,9 @@ mcv_result mcv_device_scene_place(mcv_cl *cl, const mcv_scene *scene, uint32_t s
             filling > 0 ? 1.0f / packed->media[k][filling].inverse_index_squared : 1.0f;
     memcpy(frame->environment, packed->environment, sizeof frame->environment);
     frame->environment_emitter = packed->environment_emitter;
+    frame->environment_element = packed->environment_element;
     mcv_pack_placement(packed, &from->to_world, frame->to_world, frame->to_world_low);
+    mcv_motion_prepare(from, &frame->motion);
     if (packed->features >> MCV_FEATURE_AIM & 1) {
         const size_t bytes = sizeof(mcv_device_pupil_guide) * frame->width * frame->height;
         MCV_TRY(mcv_cl_buffer(cl, "the pupil guides", bytes, NULL, &device->pupil_guides, error));

@@ -8,7 +8,10 @@
 #include "device/light.h"
 #include "kernels/path/camera_path.h"
 #include "mcvisi/accel.h"
+#include "scene/aperture.h"
 #include "scene/emitters.h"
+#include "scene/lens_map.h"
+#include "scene/motion.h"
 #include "scene/mesh.h"
 #include "scene/sensors.h"
 #include "scene/geometry.h"
@@ -27,7 +30,7 @@ static const char *const sensor_names[] = {
 #undef MCV_X
 };
 
-void mcv_feature_names(uint32_t features, char *names, size_t size) {
+void mcv_feature_names(uint64_t features, char *names, size_t size) {
     size_t length = 0;
     names[0] = '\0';
     for (unsigned i = 0; i < MCV_FEATURE_COUNT; ++i) {
@@ -37,24 +40,24 @@ void mcv_feature_names(uint32_t features, char *names, size_t size) {
     }
 }
 
-void mcv_feature_defines(uint32_t features, uint32_t channels, uint32_t sensor_type, bool random,
+void mcv_feature_defines(uint64_t features, uint32_t channels, uint32_t sensor_type, bool random,
                          uint32_t slice, char *options, size_t size) {
     snprintf(
         options, size,
         "-DMCV_CHANNELS=%u -DMCV_SENSOR=%s -DMCV_SENSOR_%s=1 -DMCV_SAMPLER_RANDOM=%d -DMCV_SLICE=%u"
-#define MCV_X(NAME, word, why) " -DMCV_WITH_" #NAME "=%u"
+#define MCV_X(NAME, word, why) " -DMCV_WITH_" #NAME "=%d"
         MCV_FEATURES(MCV_X)
 #undef MCV_X
             ,
         channels, sensor_names[sensor_type], sensor_names[sensor_type], random,
         slice
-#define MCV_X(NAME, word, why) , features >> MCV_FEATURE_##NAME & 1
+#define MCV_X(NAME, word, why) , (int)(features >> MCV_FEATURE_##NAME & 1)
             MCV_FEATURES(MCV_X)
 #undef MCV_X
     );
 }
 
-uint32_t mcv_path_words(uint32_t features, uint32_t channels) {
+uint32_t mcv_path_words(uint64_t features, uint32_t channels) {
     MCV_FEATURE_VARIABLES(features)
 #define MCV_CHANNELS channels
 #define MCV_X(field, words) +(words)
@@ -63,7 +66,7 @@ uint32_t mcv_path_words(uint32_t features, uint32_t channels) {
 #undef MCV_CHANNELS
 }
 
-uint32_t mcv_path_branches(uint32_t features) {
+uint32_t mcv_path_branches(uint64_t features) {
     return features >> MCV_FEATURE_SPLIT & 1 ? MCV_SPLIT_BRANCHES : 1;
 }
 
@@ -71,7 +74,7 @@ uint32_t mcv_path_branches(uint32_t features) {
 
 /* The features found so far. The first cause of a feature is kept. */
 typedef struct finding {
-    uint32_t features;
+    uint64_t features;
     mcv_feature_causes *causes; /* or NULL */
 } finding;
 
@@ -80,7 +83,7 @@ static bool has(const finding *f, unsigned feature) { return f->features >> feat
 /* Adds a feature if `needed`; the cause is `kind "name"`, or the kind alone. */
 static void add(finding *f, unsigned feature, bool needed, const char *kind, const char *name) {
     if (!needed || has(f, feature)) return;
-    f->features |= 1u << feature;
+    f->features |= UINT64_C(1) << feature;
     if (!f->causes) return;
     if (name)
         snprintf(f->causes->of[feature], MCV_CAUSE_SIZE, "%s \"%s\"", kind, name);
@@ -89,7 +92,7 @@ static void add(finding *f, unsigned feature, bool needed, const char *kind, con
 }
 
 static void drop(finding *f, unsigned feature) {
-    f->features &= ~(1u << feature);
+    f->features &= ~(UINT64_C(1) << feature);
     if (f->causes) f->causes->of[feature][0] = '\0';
 }
 
@@ -210,10 +213,10 @@ static bool may_touch(const mcv_scene *scene, const mcv_box3d *boxes, uint32_t p
 
 /* Next-event estimation and its variants, which depend on the packed emitters. */
 static void find_next_event(finding *f, const mcv_scene *scene, const mcv_packed *packed) {
-    const uint32_t scatters =
-        1u << MCV_FEATURE_DIFFUSE | 1u << MCV_FEATURE_GLOSS | 1u << MCV_FEATURE_REFLECTOR;
-    const uint32_t by_chance =
-        1u << MCV_FEATURE_ENVIRONMENT | 1u << MCV_FEATURE_DIELECTRIC | 1u << MCV_FEATURE_SHEET;
+    const uint64_t scatters =
+        MCV_FEATURE_BIT(DIFFUSE) | MCV_FEATURE_BIT(GLOSS) | MCV_FEATURE_BIT(REFLECTOR);
+    const uint64_t by_chance =
+        MCV_FEATURE_BIT(ENVIRONMENT) | MCV_FEATURE_BIT(DIELECTRIC) | MCV_FEATURE_BIT(SHEET);
     bool rectangle = false, emits = false;
     uint32_t count = 0;
     const char *name = NULL, *rectangle_name = NULL;
@@ -285,7 +288,7 @@ static const char *find_guiding_emitter(const finding *f, const mcv_scene *scene
     return NULL;
 }
 
-uint32_t mcv_decide_features(const mcv_scene *scene, const mcv_packed *packed,
+uint64_t mcv_decide_features(const mcv_scene *scene, const mcv_packed *packed,
                              const mcv_sensor *sensor, mcv_feature_options options,
                              mcv_feature_causes *causes) {
     finding f = {0, causes};
@@ -302,11 +305,18 @@ uint32_t mcv_decide_features(const mcv_scene *scene, const mcv_packed *packed,
         add(&f, MCV_FEATURE_CONTACT, true, "node", scene->instances[pair[1]].name);
     find_next_event(&f, scene, packed);
     add(&f, MCV_FEATURE_MIXED, options.mixed, "--precision mixed", NULL);
+    add(&f, MCV_FEATURE_RECORDS, options.records, "transport", NULL);
     if (sensor) {
+        const bool needs_time = mcv_sensor_needs_time(sensor);
         const char *guiding = find_guiding_emitter(&f, scene, packed, sensor);
-        add(&f, MCV_FEATURE_AIM, guiding, "emitter", guiding);
-        add(&f, MCV_FEATURE_LIGHT_TRACING, mcv_traces_light(packed, sensor), "sensor",
-            sensor->name);
+        const mcv_lens_map map = mcv_sensor_lens_map(sensor);
+        add(&f, MCV_FEATURE_MOTION, needs_time, "sensor", sensor->name);
+        add(&f, MCV_FEATURE_APERTURE, mcv_sensor_aperture(sensor).shape != MCV_APERTURE_DISC,
+            "sensor", sensor->name);
+        add(&f, MCV_FEATURE_DISTORTION, mcv_lens_map_is_used(&map), "sensor", sensor->name);
+        add(&f, MCV_FEATURE_AIM, guiding && !needs_time, "emitter", guiding);
+        add(&f, MCV_FEATURE_LIGHT_TRACING, !needs_time && mcv_traces_light(packed, sensor),
+            "sensor", sensor->name);
     }
     if (options.no_light_paths) drop(&f, MCV_FEATURE_LIGHT_TRACING);
     if (options.no_split) drop(&f, MCV_FEATURE_SPLIT);

@@ -11,7 +11,7 @@
 /* Declares MCV_WITH_<NAME>, 0 or 1, of each feature as a variable, so that the host can evaluate
  * conditions of the kernels. */
 #define MCV_FEATURE_VARIABLES(features) \
-    const uint32_t feature_bits = (features); \
+    const uint64_t feature_bits = (features); \
     MCV_FEATURES(MCV_FEATURE_VARIABLE)
 #define MCV_FEATURE_VARIABLE(NAME, word, why) \
     const uint32_t MCV_WITH_##NAME = feature_bits >> MCV_FEATURE_##NAME & 1; \
@@ -23,6 +23,7 @@ enum { MCV_CAUSE_SIZE = 160 };
 typedef struct mcv_feature_options {
     bool mixed;          /* --precision mixed */
     bool no_light_paths; /* leaves out LIGHT_TRACING */
+    bool records;        /* what each element of an emitter brings */
     bool no_split;       /* leaves out SPLIT */
 } mcv_feature_options;
 
@@ -37,22 +38,22 @@ typedef struct mcv_feature_causes {
  * need packed emitters; AIM and LIGHT_TRACING depend on the sensor. `sensor` and `causes` may be
  * NULL. The result depends on the arguments alone.
  */
-uint32_t mcv_decide_features(const mcv_scene *scene, const mcv_packed *packed,
+uint64_t mcv_decide_features(const mcv_scene *scene, const mcv_packed *packed,
                              const mcv_sensor *sensor, mcv_feature_options options,
                              mcv_feature_causes *causes);
 
 /* "dielectric normals parallel": the names of a set of features. */
-void mcv_feature_names(uint32_t features, char *names, size_t size);
+void mcv_feature_names(uint64_t features, char *names, size_t size);
 
 /* The -D options that specialise a program for a scene and one kind of sensor. random: independent
  * random numbers instead of Sobol' points. */
-void mcv_feature_defines(uint32_t features, uint32_t channels, uint32_t sensor_type, bool random,
+void mcv_feature_defines(uint64_t features, uint32_t channels, uint32_t sensor_type, bool random,
                          uint32_t slice, char *options, size_t size);
 
 /* 32-bit words of a path's state with these features. */
-uint32_t mcv_path_words(uint32_t features, uint32_t channels);
+uint32_t mcv_path_words(uint64_t features, uint32_t channels);
 
 /* The largest number of branches of a sample's path with these features. */
-uint32_t mcv_path_branches(uint32_t features);
+uint32_t mcv_path_branches(uint64_t features);
 
 #endif

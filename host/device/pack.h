@@ -29,7 +29,7 @@ typedef struct mcv_albedo_source {
 } mcv_albedo_source;
 
 typedef struct mcv_packed {
-    uint32_t features; /* bit MCV_FEATURE_… */
+    uint64_t features; /* bit MCV_FEATURE_… */
     uint32_t channels;
     mcv_box3d *boxes; /* of the instances in the world */
     double centre[3]; /* world point that is the device's origin, on a power-of-two grid */
@@ -68,6 +68,7 @@ typedef struct mcv_packed {
     uint32_t *texels;             /* first 256 words: the sRGB decoding as floats */
     float environment[3];         /* radiance of an environment without image */
     uint32_t environment_emitter; /* index of an environment with an image */
+    uint32_t environment_element; /* number of the environment's element */
 
     /* Only with MIXED: */
     float *position_lows, *normal_lows; /* rounding errors of positions and normals */
@@ -117,6 +118,10 @@ double mcv_packed_size(const mcv_packed *packed);
 /* Does next-event estimation sample it? It leaves out a constant environment: all directions are
  * equally good there. */
 bool mcv_is_sampled(const mcv_emitter *emitter);
+
+/* The elements of an emitter: the pixels of its image where these are told apart, else 1. They are
+ * numbered emitter by emitter, row by row. */
+uint32_t mcv_emitter_elements(const mcv_scene *scene, const mcv_emitter *emitter);
 
 /* The placement of the sensor: from the optical frame to the re-centred world, and its rounding
  * error. */

@@ -169,6 +169,12 @@ bool mcv_is_sampled(const mcv_emitter *emitter) {
     return emitter->type != MCV_EMITTER_ENVIRONMENT || emitter->texture != MCV_NONE;
 }
 
+uint32_t mcv_emitter_elements(const mcv_scene *scene, const mcv_emitter *emitter) {
+    if (!emitter->by_pixel) return 1;
+    const mcv_texture *image = scene->textures + emitter->texture;
+    return image->width * image->height;
+}
+
 /* Entries of an environment's image in the table of shares: of its rows, then of each row's pixels.
  */
 size_t mcv_environment_entries(const mcv_texture *image) {
@@ -217,19 +223,24 @@ static mcv_result pack_environment(const mcv_scene *scene, mcv_packed *packed,
 mcv_result mcv_pack_emitters(const mcv_scene *scene, mcv_packed *packed, mcv_error *error) {
     uint32_t *cdf = packed->emitter_cdf;
     size_t next = packed->emitter_count + 1;
-    uint32_t count = 0;
+    uint32_t count = 0, elements = 0;
     bool failed = false;
     mcv_result result = MCV_OK;
     double *powers = mcv_pack_allocate(scene->emitter_count, sizeof(double), &failed);
     double *areas = mcv_pack_allocate(scene->triangle_count, sizeof(double), &failed);
     for (uint32_t i = 0; !failed && result == MCV_OK && i < scene->emitter_count; ++i) {
         const mcv_emitter *from = &scene->emitters[i];
+        const uint32_t first_element = elements;
+        elements += mcv_emitter_elements(scene, from);
+        if (from->type == MCV_EMITTER_ENVIRONMENT) packed->environment_element = first_element;
         if (!mcv_is_sampled(from)) continue;
         mcv_device_emitter *to = &packed->emitters[count];
         *to = (mcv_device_emitter){.type = from->type,
                                    .instance = from->instance,
                                    .texture = from->texture,
-                                   .area = (float)from->area};
+                                   .area = (float)from->area,
+                                   .first_element = first_element};
+        if (from->by_pixel) to->element_width = scene->textures[from->texture].width;
         for (int k = 0; k < 3; ++k) to->radiance[k] = (float)from->radiance[k];
         if (mcv_emitter_has_surface(from->type)) {
             pack_surface(scene, packed, from, count, next, areas);

@@ -38,7 +38,8 @@ static mcv_result parse_range(const char *text, const char *dots, mcv_levels *le
     if (!parse_value(text, (size_t)(dots - text), &levels->from) ||
         !parse_value(to, (size_t)(rest - to), &levels->to))
         return fail_levels(text, error);
-    if (*rest) {
+    levels->logarithmic = strcmp(rest, ":log") == 0;
+    if (*rest && !levels->logarithmic) {
         if (rest[1] < '0' || rest[1] > '9') return fail_levels(text, error);
         levels->count = strtoul(rest + 1, &end, 10);
         levels->logarithmic = strcmp(end, ":log") == 0;
@@ -88,6 +89,8 @@ static double level(const mcv_levels *l, size_t index) {
     if (l->list) return l->list[index];
     return l->count == 1 ? l->from : between(l, (double)index / (double)(l->count - 1));
 }
+
+double mcv_levels_at(const mcv_levels *l, size_t index) { return level(l, index); }
 
 /* The value at a point of [0, 1). */
 static double at_point(const mcv_levels *l, double x) {

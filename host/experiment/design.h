@@ -29,11 +29,14 @@ typedef struct mcv_levels {
 } mcv_levels;
 
 /*
- * Reads "A..B:N", "A..B:N:log", "A..B" (not for a grid) or "A,B,C"; numbers may have units.
- * MCV_USAGE for other texts. The list is freed by mcv_levels_free.
+ * Reads "A..B:N", "A..B:N:log", "A..B" and "A..B:log" (not for a grid) or "A,B,C"; numbers may have
+ * units. MCV_USAGE for other texts. The list is freed by mcv_levels_free.
  */
 mcv_result mcv_levels_parse(const char *text, mcv_levels *levels, mcv_error *error);
 void mcv_levels_free(mcv_levels *levels);
+
+/* A member of the list, or a step of the range; index below count. */
+double mcv_levels_at(const mcv_levels *levels, size_t index);
 
 /*
  * *values gets [set][parameter], malloc'ed. `points` is the number of sets of lhs and sobol; other

@@ -4,6 +4,7 @@
 #include "core/output_file.h"
 #include "experiment/page.h"
 #include "experiment/run_set.h"
+#include "experiment/set_order.h"
 #include "experiment/sidecar.h"
 #include "scene/sensor_find.h"
 #include "loader/load.h"
@@ -19,8 +20,9 @@
 mcv_result mcv_experiment_load(const mcv_sweep *s, mcv_overrides set, mcv_scene **scene,
                                mcv_error *error) {
     const mcv_experiment *e = s->experiment;
-    return e->document ? mcv_scene_load_document(e->document, set, s->assets, scene, error)
-                       : mcv_scene_load_cached(e->rig, set, s->assets, scene, error);
+    return e->document
+               ? mcv_scene_load_document(e->document, set, e->memory, s->assets, scene, error)
+               : mcv_scene_load_cached(e->rig, set, e->memory, s->assets, scene, error);
 }
 
 static const char *unit_of_values(const mcv_experiment *e, const mcv_sensor *sensor) {
@@ -88,11 +90,13 @@ mcv_result mcv_experiment_plan(const mcv_experiment *e, mcv_sweep *s, mcv_error 
     MCV_TRY(mcv_plan_parameters(&e->variation, &s->plan, error));
     MCV_TRY(mcv_measurement_read(&e->measuring, &s->measurement, error));
     MCV_TRY(mcv_plan_sets(&e->variation, &s->plan, error));
+    if (e->own_noise) MCV_TRY(mcv_set_seeds(s, error));
     s->done = calloc(s->plan.set_count, sizeof *s->done);
     s->renderer = e->renderer ? e->renderer : mcv_renderer_new();
     s->assets = e->assets ? e->assets : mcv_asset_cache_new();
     if (!s->done || !s->renderer || !s->assets)
         return mcv_fail(error, MCV_FAILED, "no memory for %zu sets", s->plan.set_count);
+    MCV_TRY(mcv_judge_new(s, &s->judge, error));
     MCV_TRY(plan_files(s, error));
     MCV_TRY(check_rig(s, error));
     return check_paths(s, error);
@@ -104,34 +108,42 @@ mcv_result mcv_experiment_open_table(mcv_sweep *s, mcv_error *error) {
                                  .rig = s->experiment->rig,
                                  .fingerprint = s->fingerprint,
                                  .settings = s->experiment->settings};
-    struct stat status;
+    bool exists;
     if (!s->experiment->table) return MCV_OK;
-    const bool exists = stat(s->table.path, &status) == 0;
+    MCV_TRY(mcv_table_lock(&s->table, &exists, error));
     if (exists && !s->experiment->resume && !s->experiment->force)
         return mcv_fail(error, MCV_BAD_INPUT,
                         "%s exists already: continue it by --resume, begin it again by "
                         "--force, or give another name by -o",
                         s->table.path);
-    if (exists && s->experiment->force && unlink(s->table.path) != 0)
-        return mcv_fail(error, MCV_BAD_INPUT, "%s: %s", s->table.path, strerror(errno));
     if (exists && s->experiment->resume) {
         MCV_TRY(mcv_sidecar_check(&sidecar, error));
-        MCV_TRY(mcv_table_resume(&s->table, s->done, error));
-    } else {
-        MCV_TRY(mcv_output_check(s->table.page, error));
-        MCV_TRY(mcv_sidecar_write(&sidecar, error));
+        return mcv_table_resume(&s->table, s->done, error);
     }
-    return mcv_table_open(&s->table, error);
+    MCV_TRY(mcv_output_check(s->table.page, error));
+    MCV_TRY(mcv_sidecar_write(&sidecar, error));
+    return mcv_table_begin(&s->table, error);
 }
 
-static mcv_result run_sets(mcv_sweep *s, mcv_error *error) {
+static mcv_result run_in_order(mcv_sweep *s, const mcv_set_place *order, mcv_error *error) {
+    const size_t *share = s->experiment->share;
     double row[MCV_ROW_MOST];
     bool wanted = false;
-    for (size_t set = 0; set < s->plan.set_count; ++set) {
+    for (size_t i = 0; i < s->plan.set_count; ++i) {
+        const size_t set = order ? order[i].set : i;
+        if (share[1] > 0 && set % share[1] != share[0]) continue;
         MCV_TRY(mcv_plan_set(&s->plan, set, row, &wanted, error));
         if (wanted && !s->done[set]) MCV_TRY(mcv_run_set(s, set, row, error));
     }
     return MCV_OK;
+}
+
+static mcv_result run_sets(mcv_sweep *s, mcv_error *error) {
+    mcv_set_place *order = NULL;
+    if (s->judge) MCV_TRY(mcv_set_order(s, &order, error));
+    const mcv_result result = run_in_order(s, order, error);
+    free(order);
+    return result;
 }
 
 mcv_result mcv_experiment_run(mcv_sweep *s, mcv_error *error) {
@@ -143,6 +155,7 @@ mcv_result mcv_experiment_run(mcv_sweep *s, mcv_error *error) {
 }
 
 void mcv_experiment_free(mcv_sweep *s) {
+    mcv_judge_free(s->judge);
     mcv_table_free(&s->table);
     mcv_plan_free(&s->plan);
     if (!s->experiment->renderer) mcv_renderer_free(s->renderer);

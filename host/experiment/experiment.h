@@ -15,6 +15,7 @@
 #ifndef MCVISI_HOST_EXPERIMENT_EXPERIMENT_H
 #define MCVISI_HOST_EXPERIMENT_EXPERIMENT_H
 
+#include "experiment/judge.h"
 #include "experiment/measure.h"
 #include "experiment/plan.h"
 #include "experiment/table.h"
@@ -42,6 +43,8 @@ typedef mcv_result mcv_render_with(const mcv_scene *scene, uint32_t sensor,
                                    const mcv_render_options *options, mcv_film *film,
                                    mcv_render_stats *stats, mcv_error *error);
 
+struct mcv_page;
+
 /* All pointers are borrowed and must outlive the sweep. */
 typedef struct mcv_experiment {
     const char *rig;              /* the path of the scene */
@@ -51,6 +54,7 @@ typedef struct mcv_experiment {
     const char *sensor;           /* by name or number; NULL: the only one */
     uint64_t resolution[2];       /* other pixels on the same field of view; 0: unchanged */
     mcv_variation variation;
+    bool own_noise; /* each scene has random numbers of its own */
     mcv_measuring measuring;
     mcv_render_options render;    /* the sweep sets progress, enough and user */
     mcv_render_with *render_with; /* NULL: OpenCL, with a renderer for all sets */
@@ -58,13 +62,21 @@ typedef struct mcv_experiment {
     const char *images;           /* the folder that keeps each set's image, or NULL */
     bool resume;                  /* continue an existing table */
     bool force;                   /* begin it again */
+    size_t share[2];              /* only sets whose number leaves the rest share[0] when divided by
+                                     share[1]; 0: all */
     const char *file; /* the file of the experiment, which F.json must not replace; or NULL */
     const char *title, *note; /* of the page: its heading, and a sentence below it; or NULL */
+    const char *verb;         /* "Sweep", "Uncertainty": what the page's heading begins with */
+    /* What the page shows in place of a sweep's best set, plots and sets; or NULL. False without
+     * memory. */
+    bool (*put_results)(FILE *out, const struct mcv_page *page, void *user);
+    void *results;    /* its user */
     json_t *settings; /* further contents of F.json, which must be equal to resume: an object, or
                          NULL */
     mcv_sweep_calls calls;
     mcv_renderer *renderer;  /* what is used and kept for others; NULL: the sweep's own */
     mcv_asset_cache *assets; /* likewise */
+    uint64_t memory;         /* bytes that a scene may take; 0: the default */
 } mcv_experiment;
 
 /* It points into itself: it must not be copied. */
@@ -73,13 +85,16 @@ struct mcv_sweep {
     mcv_plan plan;
     mcv_measurement measurement;
     mcv_table table;
-    const char *unit;       /* of the values of the pictures that are measured; "" for ratios */
-    char fingerprint[32];   /* of the scene and the files that it names */
-    bool *done;             /* sets that have a row */
-    double stage_seconds;   /* of all renders, on the device */
+    const char *unit;     /* of the values of the pictures that are measured; "" for ratios */
+    char fingerprint[32]; /* of the scene and the files that it names */
+    bool *done;           /* sets that have a row */
+    size_t shown;         /* row + 1 of the set whose rig the page shows; 0: the best */
+    double stage_seconds; /* of all renders, on the device */
+    size_t renders;
     size_t built, compiled; /* acceleration structures and programs that could not be reused */
     mcv_renderer *renderer;
     mcv_asset_cache *assets;
+    mcv_judge *judge; /* the programs that decide, or NULL */
 };
 
 /* The scene with changes; used by the files beside this one. */
@@ -100,8 +115,9 @@ mcv_result mcv_experiment_open_table(mcv_sweep *sweep, mcv_error *error);
 
 /*
  * Renders and measures all sets without a row. A set that fails gives a row with its message, and
- * the sweep continues. The page is written at the end, also after an interruption. MCV_FAILED if
- * the table or the page cannot be written.
+ * the sweep continues. The page is written at the end, also after an interruption. MCV_DEVICE where
+ * the device cannot be opened: this would fail all sets, and the set has no row. MCV_FAILED if the
+ * table or the page cannot be written.
  */
 mcv_result mcv_experiment_run(mcv_sweep *sweep, mcv_error *error);
 

@@ -5,6 +5,7 @@
 #include "analysis/lightfield.h"
 #include "analysis/metrics.h"
 #include "experiment/expression.h"
+#include "experiment/program.h"
 #include "experiment/set_image.h"
 #include "scene/sensors.h"
 
@@ -23,8 +24,11 @@ static mcv_result read_metric(const char *item, mcv_measurement *m, mcv_error *e
     for (size_t i = 0; i < m->count; ++i)
         if (strcmp(m->metrics[i].name, metric->name) == 0)
             return mcv_fail(error, MCV_USAGE, "--metric %s: is given twice", metric->name);
-    MCV_TRY(mcv_expression_evaluate(metric->expression, mcv_metric_known, (void *)&m->asked->places,
-                                    &ignored, error));
+    if (mcv_program_named(metric->expression) && !assigned)
+        return mcv_fail(error, MCV_USAGE, "--metric %s: has no name: give NAME:=%s", item, item);
+    if (!mcv_program_named(metric->expression))
+        MCV_TRY(mcv_expression_evaluate(metric->expression, mcv_metric_known,
+                                        (void *)&m->asked->places, &ignored, error));
     ++m->count;
     return MCV_OK;
 }
@@ -43,27 +47,41 @@ static mcv_result find_metric(const char *option, const char *item, const mcv_me
                    : MCV_OK;
 }
 
-static mcv_result read_until(const char *item, mcv_measurement *m, mcv_error *error) {
+mcv_result mcv_measurement_read_limit(const char *option, const char *item,
+                                      const mcv_measurement *m, size_t *metric, double *limit,
+                                      mcv_error *error) {
     const char *equals;
     char *end = NULL;
-    size_t found;
-    MCV_TRY(find_metric("until", item, m, &equals, &found, error));
-    const double until = equals ? strtod(equals + 1, &end) : 0;
-    if (!equals || end == equals + 1 || *end || !(until > 0))
+    MCV_TRY(find_metric(option, item, m, &equals, metric, error));
+    *limit = equals ? strtod(equals + 1, &end) : 0;
+    if (!equals || end == equals + 1 || *end || !(*limit > 0))
+        return mcv_fail(error, MCV_USAGE, "--%s %s: must be NAME=%s above 0", option, item,
+                        strcmp(option, "until") == 0 ? "U, a standard uncertainty"
+                                                     : "D, a difference");
+    return MCV_OK;
+}
+
+static mcv_result read_until(const char *item, mcv_measurement *m, mcv_error *error) {
+    size_t found = 0;
+    double until;
+    MCV_TRY(mcv_measurement_read_limit("until", item, m, &found, &until, error));
+    if (mcv_program_named(m->metrics[found].expression))
         return mcv_fail(error, MCV_USAGE,
-                        "--until %s: must be NAME=U, a standard uncertainty above 0", item);
+                        "--until %s: a program decides after the render, not while it goes on",
+                        item);
     m->metrics[found].until = until;
     return MCV_OK;
 }
 
-static mcv_result read_best(const char *item, mcv_measurement *m, mcv_error *error) {
+mcv_result mcv_measurement_read_goal(const char *option, const char *item, const mcv_measurement *m,
+                                     size_t *metric, bool *largest, mcv_error *error) {
     const char *equals;
-    MCV_TRY(find_metric("best", item, m, &equals, &m->best, error));
-    m->best_largest = equals && strcmp(equals + 1, "largest") == 0;
-    return equals && (m->best_largest || strcmp(equals + 1, "smallest") == 0)
+    MCV_TRY(find_metric(option, item, m, &equals, metric, error));
+    *largest = equals && strcmp(equals + 1, "largest") == 0;
+    return equals && (*largest || strcmp(equals + 1, "smallest") == 0)
                ? MCV_OK
                : mcv_fail(error, MCV_USAGE,
-                          "--best %s: must be NAME=largest or NAME=smallest, a metric's name",
+                          "--%s %s: must be NAME=largest or NAME=smallest, a metric's name", option,
                           item);
 }
 
@@ -82,7 +100,9 @@ mcv_result mcv_measurement_read(const mcv_measuring *asked, mcv_measurement *m, 
     for (size_t i = 0; i < asked->until.count; ++i)
         MCV_TRY(read_until(asked->until.items[i], m, error));
     m->best = m->count;
-    return asked->best ? read_best(asked->best, m, error) : MCV_OK;
+    return asked->best ? mcv_measurement_read_goal("best", asked->best, m, &m->best,
+                                                   &m->best_largest, error)
+                       : MCV_OK;
 }
 
 /* Values of the gradient, whose uncertainties are not known. */
@@ -172,6 +192,8 @@ mcv_result mcv_measurement_take(const mcv_measurement *measurement, const mcv_sc
     for (size_t i = 0; i < measurement->count; ++i) {
         mcv_quantity value = {NAN, NAN};
         mcv_error why = {""};
+        numbers[2 * i] = numbers[2 * i + 1] = NAN;
+        if (mcv_program_named(measurement->metrics[i].expression)) continue;
         const mcv_result one = taken ? mcv_expression_evaluate(measurement->metrics[i].expression,
                                                                mcv_metric_look_up, &m, &value, &why)
                                      : MCV_FAILED;

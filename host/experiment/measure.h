@@ -19,6 +19,10 @@ typedef struct mcv_measuring {
     bool in_gradient;           /* measure in the Earth Mover's gradient of a light field image */
     mcv_emd_form form;          /* of that */
     uint32_t threads;           /* for that; 0: one per core */
+    bool allow_exec;            /* metrics may run programs (experiment/judge.h) */
+    size_t exposures;           /* of each render, for them */
+    double exec_time;           /* seconds for an answer */
+    double validate;            /* share of the scenes that is put aside (experiment/split.h) */
 } mcv_measuring;
 
 typedef struct mcv_metric {
@@ -42,10 +46,19 @@ typedef struct mcv_measurement {
 mcv_result mcv_measurement_read(const mcv_measuring *asked, mcv_measurement *measurement,
                                 mcv_error *error);
 
+/* Reads "NAME=U", a number above 0 for a metric, and "NAME=largest" or "NAME=smallest", of an
+ * option. MCV_USAGE for other texts. */
+mcv_result mcv_measurement_read_limit(const char *option, const char *item,
+                                      const mcv_measurement *measurement, size_t *metric,
+                                      double *limit, mcv_error *error);
+mcv_result mcv_measurement_read_goal(const char *option, const char *item,
+                                     const mcv_measurement *measurement, size_t *metric,
+                                     bool *largest, mcv_error *error);
+
 /*
  * Measures in the current image of a sensor's film. `numbers` gets value and standard uncertainty
- * of each metric, NaN for those that fail; the result is that of the first failure. If the image
- * cannot be measured at all, all fail.
+ * of each metric, NaN for those that fail and those that programs decide; the result is that of the
+ * first failure. If the image cannot be measured at all, all fail.
  */
 mcv_result mcv_measurement_take(const mcv_measurement *measurement, const mcv_scene *scene,
                                 uint32_t sensor, const mcv_film *film, double *numbers,

@@ -79,7 +79,8 @@ static void put_head(FILE *out, const mcv_page *page) {
     const mcv_experiment *e = page->sweep->experiment;
     const char *slash = strrchr(e->rig, '/');
     char title[PATH_MAX + 16];
-    snprintf(title, sizeof title, "Sweep of %s", slash ? slash + 1 : e->rig);
+    snprintf(title, sizeof title, "%s of %s", e->verb ? e->verb : "Sweep",
+             slash ? slash + 1 : e->rig);
     fputs("<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta "
           "name=\"viewport\" content=\"width=device-width\">\n"
           "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; ",
@@ -118,6 +119,14 @@ static bool put_plots(FILE *out, const mcv_page *page) {
     return written;
 }
 
+static bool put_results(FILE *out, const mcv_page *page) {
+    const mcv_experiment *e = page->sweep->experiment;
+    if (e->put_results) return e->put_results(out, page, e->results);
+    mcv_page_put_best(out, page);
+    mcv_page_put_extremes(out, page);
+    return put_plots(out, page);
+}
+
 /* The scene of the best set, or of the first that has not failed. */
 static mcv_scene *load_shown(const mcv_page *page, uint32_t *sensor, size_t *shown) {
     const mcv_sweep *s = page->sweep;
@@ -131,6 +140,7 @@ static mcv_scene *load_shown(const mcv_page *page, uint32_t *sensor, size_t *sho
         const size_t best = mcv_page_extreme(s, s->measurement.best, s->measurement.best_largest);
         if (best < table->row_count) *shown = best;
     }
+    if (s->shown) *shown = s->shown - 1;
     if (mcv_load_set(s, table->rows + *shown * table->columns, texts, &scene, &ignored) != MCV_OK)
         return NULL;
     if (mcv_set_sensor(s->experiment, scene, sensor, &ignored) == MCV_OK) return scene;
@@ -147,12 +157,10 @@ static bool put_page(FILE *out, mcv_page *page) {
     bool written = make_numbers(page);
     if (written) {
         put_head(out, page);
-        mcv_page_put_best(out, page);
-        mcv_page_put_extremes(out, page);
-        written = put_plots(out, page);
+        written = put_results(out, page);
         if (scene) fprintf(out, "<h2>The rig, as in set %zu</h2>\n", page->plots.sets[shown]);
-        written = (!scene || mcv_setup_put_view(out, scene, sensor, false)) && written;
-        mcv_page_put_sets(out, page);
+        written = (!scene || mcv_setup_put_view(out, scene, sensor, false, NULL, NULL)) && written;
+        if (!s->experiment->put_results) mcv_page_put_sets(out, page);
         mcv_page_put_assumed(out, page, scene);
         fputs("<footer><p>Scene ", out);
         mcv_html_text(out, s->experiment->rig);

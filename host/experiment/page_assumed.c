@@ -53,9 +53,13 @@ void mcv_page_put_assumed(FILE *out, const mcv_page *page, const mcv_scene *scen
                                                : "the render's noise",
           out);
     fputs(". It holds no difference between the rig here and the one that is built.\n"
-          "<li>All sets use the same random numbers. Their differences are less noisy than each "
-          "value.\n"
-          "<li>Numbers have the units in which they were given. A parameter without a unit is in "
+          "<li>",
+          out);
+    fputs(s->plan.seeds ? "Sets have random numbers of their own where the method needs it."
+                        : "All sets use the same random numbers. Their differences are less noisy "
+                          "than each value.",
+          out);
+    fputs("\n<li>Numbers have the units in which they were given. A parameter without a unit is in "
           "SI units.\n",
           out);
     for (uint32_t i = 0; scene && i < scene->warning_count; ++i) {

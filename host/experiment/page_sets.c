@@ -53,12 +53,13 @@ static bool is_limit(const char *name) {
     return strcmp(name, "spp") == 0 || strcmp(name, "time") == 0 || strcmp(name, "error") == 0;
 }
 
-/* What the render of a set shares with all others. */
-static void put_shared(FILE *out, const mcv_experiment *e) {
+/* What the render of a set shares with all others; seeds: not the seed. */
+static void put_shared(FILE *out, const mcv_experiment *e, bool seeds) {
     const char *name;
     json_t *value;
     json_object_foreach(e->settings, name, value) {
-        if (!is_limit(name) && mcv_option_find(MCV_VERB_RENDER, name, strlen(name)))
+        const bool own_seed = seeds && strcmp(name, "seed") == 0;
+        if (!is_limit(name) && !own_seed && mcv_option_find(MCV_VERB_RENDER, name, strlen(name)))
             put_option(out, name, value);
     }
 }
@@ -76,10 +77,12 @@ static void put_command(FILE *out, const mcv_page *page, size_t row) {
     if (mcv_plan_set(&s->plan, set, numbers, &wanted, &ignored) != MCV_OK) return;
     fputs("<pre>mcvisi render ", out);
     put_word(out, e->rig);
-    put_shared(out, e);
+    put_shared(out, e, s->plan.seeds != NULL);
+    if (s->plan.seeds) fprintf(out, " --seed %u", e->render.seed + s->plan.seeds[set]);
     for (size_t i = 0; i < s->plan.count; ++i) {
         const mcv_parameter *p = s->plan.parameters + i;
         char words[32], text[512];
+        if (mcv_judge_has(p)) continue; /* it is not the scene's */
         mcv_exact_words(numbers[i], words);
         snprintf(text, sizeof text, "%.*s=%s", p->path_length, p->item, words);
         fputs(" --set ", out);

@@ -30,9 +30,10 @@ static mcv_result name_parameter(const mcv_plan *plan, mcv_parameter *p, mcv_err
     return mcv_fail(error, MCV_USAGE, "%s: another parameter has the same path", p->item);
 }
 
-static mcv_result read_parameter(mcv_plan *plan, const char *item, bool tie, mcv_error *error) {
+static mcv_result read_parameter(mcv_plan *plan, const char *item, const char *option,
+                                 mcv_error *error) {
     const char *equals = strchr(item, '=');
-    const char *option = tie ? "tie" : "vary";
+    const bool tie = strcmp(option, "tie") == 0;
     if (!equals || equals == item)
         return mcv_fail(error, MCV_USAGE, "--%s %s: must be PATH=%s", option, item,
                         tie ? "EXPR" : "VALUES");
@@ -44,26 +45,28 @@ static mcv_result read_parameter(mcv_plan *plan, const char *item, bool tie, mcv
     *p = (mcv_parameter){
         .item = item, .path_length = (int)(equals - item), .expression = tie ? equals + 1 : NULL};
     MCV_TRY(name_parameter(plan, p, error));
-    if (!tie) {
+    if (strcmp(option, "vary") == 0) {
         mcv_error detail = {""};
         const mcv_result result = mcv_levels_parse(equals + 1, &p->levels, &detail);
         if (result != MCV_OK) return mcv_fail(error, result, "--vary %s: %s", item, detail.text);
-        ++plan->varied;
     }
+    plan->varied += !tie;
     ++plan->count;
     return MCV_OK;
 }
 
 mcv_result mcv_plan_parameters(const mcv_variation *variation, mcv_plan *plan, mcv_error *error) {
     *plan = (mcv_plan){.where = variation->where};
+    const char *option = variation->given ? variation->given->option : "vary";
     if (variation->vary.count == 0)
         return mcv_fail(error, MCV_USAGE,
-                        "--vary is missing: give what changes, as in --vary "
-                        "emitters/back/halfAngle=0.1deg..2deg:8");
+                        "--%s is missing: give what changes, as in --vary "
+                        "emitters/back/halfAngle=0.1deg..2deg:8",
+                        option);
     for (size_t i = 0; i < variation->vary.count; ++i)
-        MCV_TRY(read_parameter(plan, variation->vary.items[i], false, error));
+        MCV_TRY(read_parameter(plan, variation->vary.items[i], option, error));
     for (size_t i = 0; i < variation->tie.count; ++i)
-        MCV_TRY(read_parameter(plan, variation->tie.items[i], true, error));
+        MCV_TRY(read_parameter(plan, variation->tie.items[i], "tie", error));
     return MCV_OK;
 }
 
@@ -112,13 +115,32 @@ mcv_result mcv_plan_set(const mcv_plan *plan, size_t set, double *numbers, bool 
     return MCV_OK;
 }
 
-mcv_result mcv_plan_sets(const mcv_variation *variation, mcv_plan *plan, mcv_error *error) {
+static mcv_result take_sets(const mcv_given_sets *given, mcv_plan *plan, mcv_error *error) {
+    const size_t numbers = given->count * plan->varied;
+    plan->sets = malloc((numbers + 1) * sizeof *plan->sets);
+    plan->seeds = calloc(given->count + 1, sizeof *plan->seeds);
+    if (!plan->sets || !plan->seeds)
+        return mcv_fail(error, MCV_FAILED, "no memory for %zu sets of parameters", given->count);
+    memcpy(plan->sets, given->values, numbers * sizeof *plan->sets);
+    if (given->seeds) memcpy(plan->seeds, given->seeds, given->count * sizeof *plan->seeds);
+    plan->set_count = given->count;
+    return MCV_OK;
+}
+
+static mcv_result make_sets(const mcv_variation *variation, mcv_plan *plan, mcv_error *error) {
     mcv_levels levels[MCV_DESIGN_PARAMETERS];
+    for (size_t i = 0; i < plan->varied; ++i) levels[i] = plan->parameters[i].levels;
+    return mcv_design_make(variation->design, levels, plan->varied, variation->points,
+                           variation->seed, &plan->sets, &plan->set_count, error);
+}
+
+mcv_result mcv_plan_sets(const mcv_variation *variation, mcv_plan *plan, mcv_error *error) {
     double numbers[MCV_DESIGN_PARAMETERS];
     bool wanted = false;
-    for (size_t i = 0; i < plan->varied; ++i) levels[i] = plan->parameters[i].levels;
-    MCV_TRY(mcv_design_make(variation->design, levels, plan->varied, variation->points,
-                            variation->seed, &plan->sets, &plan->set_count, error));
+    if (variation->given)
+        MCV_TRY(take_sets(variation->given, plan, error));
+    else
+        MCV_TRY(make_sets(variation, plan, error));
     for (size_t set = 0; set < plan->set_count; ++set) {
         MCV_TRY(mcv_plan_set(plan, set, numbers, &wanted, error));
         plan->wanted += wanted;
@@ -131,5 +153,6 @@ mcv_result mcv_plan_sets(const mcv_variation *variation, mcv_plan *plan, mcv_err
 void mcv_plan_free(mcv_plan *plan) {
     for (size_t i = 0; i < plan->count; ++i) mcv_levels_free(&plan->parameters[i].levels);
     free(plan->sets);
+    free(plan->seeds);
     *plan = (mcv_plan){.sets = NULL};
 }

@@ -9,15 +9,24 @@
 #include "core/basics.h"
 #include "experiment/design.h"
 
+/* Sets that are made in another way than by a design. */
+typedef struct mcv_given_sets {
+    const char *option;   /* of the items "PATH=…", whose values are not read here: "tolerance" */
+    const double *values; /* [set][parameter] */
+    const uint32_t *seeds; /* what is added to the seed of each set's render, or NULL */
+    size_t count;
+} mcv_given_sets;
+
 /* The requested variation. A path leads into the scene, as in mcv_overrides; an expression
  * (experiment/expression.h) uses the parameters' names. */
 typedef struct mcv_variation {
-    mcv_texts vary;  /* "PATH=VALUES", values as mcv_levels_parse reads them */
-    mcv_texts tie;   /* "PATH=EXPR" */
-    mcv_texts where; /* "EXPR": a set for which it is 0 is left out */
-    int design;      /* MCV_DESIGN_… */
-    size_t points;   /* sets of MCV_DESIGN_LHS and MCV_DESIGN_SOBOL */
-    uint32_t seed;   /* of their points */
+    mcv_texts vary;              /* "PATH=VALUES", values as mcv_levels_parse reads them */
+    mcv_texts tie;               /* "PATH=EXPR" */
+    mcv_texts where;             /* "EXPR": a set for which it is 0 is left out */
+    int design;                  /* MCV_DESIGN_… */
+    size_t points;               /* sets of MCV_DESIGN_LHS and MCV_DESIGN_SOBOL */
+    uint32_t seed;               /* of their points */
+    const mcv_given_sets *given; /* in place of a design, or NULL */
 } mcv_variation;
 
 /* A parameter that varies, or follows from those before it. */
@@ -35,6 +44,7 @@ typedef struct mcv_plan {
     mcv_parameter parameters[MCV_DESIGN_PARAMETERS];
     size_t varied, count;     /* parameters: first those that vary, then ties */
     double *sets;             /* [set][varied] */
+    uint32_t *seeds;          /* what is added to the seed of each set's render, or NULL */
     size_t set_count, wanted; /* wanted: number of sets that are not left out */
 } mcv_plan;
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "experiment/run_set.h"
 
+#include "cl/cl.h"
 #include "core/basics.h"
 #include "experiment/set_image.h"
 #include "scene/sensor_find.h"
@@ -20,14 +21,14 @@ mcv_result mcv_load_set(const mcv_sweep *s, const double *numbers, mcv_set_texts
         mcv_fail(error, MCV_FAILED, "no memory for a set of parameters");
         return MCV_FAILED;
     }
+    size_t count = given.count;
     if (given.count) memcpy(items, given.items, given.count * sizeof *items);
     for (size_t i = 0; i < plan->count; ++i) {
         const mcv_parameter *p = plan->parameters + i;
         snprintf(texts[i], sizeof texts[i], "%.*s=%.17g", p->path_length, p->item, numbers[i]);
-        items[given.count + i] = texts[i];
+        if (!mcv_judge_has(p)) items[count++] = texts[i];
     }
-    const mcv_result result =
-        mcv_experiment_load(s, (mcv_overrides){items, given.count + plan->count}, scene, error);
+    const mcv_result result = mcv_experiment_load(s, (mcv_overrides){items, count}, scene, error);
     free(items);
     return result;
 }
@@ -40,6 +41,9 @@ static mcv_result interrupted(const mcv_sweep *s) {
 /* The current set, for the callbacks of a render. */
 typedef struct set_at_work {
     const mcv_sweep *sweep;
+    uint32_t seed;           /* of the render */
+    mcv_measuring measuring; /* with the seed of the exposure */
+    mcv_measurement measurement;
     const mcv_scene *scene;
     uint32_t sensor;
 } set_at_work;
@@ -53,7 +57,7 @@ static bool go_on(void *user, double fraction, double seconds, double error) {
 
 static bool is_enough(void *user, const mcv_film *film) {
     const set_at_work *w = user;
-    return mcv_measurement_suffices(&w->sweep->measurement, w->scene, w->sensor, film);
+    return mcv_measurement_suffices(&w->measurement, w->scene, w->sensor, film);
 }
 
 mcv_result mcv_set_sensor(const mcv_experiment *e, mcv_scene *scene, uint32_t *sensor,
@@ -74,11 +78,13 @@ static mcv_result render(mcv_sweep *s, set_at_work *w, mcv_film *film, mcv_error
     options.progress = go_on;
     options.enough = e->measuring.until.count ? is_enough : NULL;
     options.user = w;
+    options.seed = w->seed;
     const mcv_result result =
         e->render_with
             ? e->render_with(w->scene, w->sensor, &options, film, &stats, error)
             : mcv_renderer_render(s->renderer, w->scene, w->sensor, &options, film, &stats, error);
     for (uint32_t i = 0; i < stats.stage_count; ++i) s->stage_seconds += stats.stages[i].seconds;
+    ++s->renders;
     s->built += !e->render_with && result == MCV_OK && !stats.kept_structure;
     s->compiled += !e->render_with && result == MCV_OK && !stats.kept_program;
     return result;
@@ -101,7 +107,7 @@ static mcv_result keep_image(const mcv_sweep *s, const set_at_work *w, size_t se
         if (i) *end++ = '\n';
         end = stpcpy(end, texts[i]);
     }
-    return mcv_set_image_keep(path, w->scene, w->sensor, film, e->render.seed, joined, error);
+    return mcv_set_image_keep(path, w->scene, w->sensor, film, w->seed, joined, error);
 }
 
 static mcv_result measure(const mcv_sweep *s, const set_at_work *w, size_t set,
@@ -113,8 +119,40 @@ static mcv_result measure(const mcv_sweep *s, const set_at_work *w, size_t set,
     row[mcv_row_fixed(table, MCV_ROW_SAMPLES)] = (double)(film->samples * film->replicates);
     row[mcv_row_fixed(table, MCV_ROW_ERROR)] = mcv_film_relative_error(film);
     MCV_TRY(keep_image(s, w, set, film, texts, error));
-    return mcv_measurement_take(&s->measurement, w->scene, w->sensor, film,
+    return mcv_measurement_take(&w->measurement, w->scene, w->sensor, film,
                                 row + mcv_row_metric(table, 0), error);
+}
+
+/* What tells renders apart: the parameters of the scene, and the seed where sets have their own. */
+static uint64_t picture_of(const mcv_sweep *s, const set_at_work *w, const double *row) {
+    const uint64_t scene = mcv_judge_scene(s, row);
+    return s->plan.seeds ? mcv_hash_bytes(scene, &w->seed, sizeof w->seed) : scene;
+}
+
+/* The scene was the last set's: figures are known, and programs look at its exposures. */
+static mcv_result decide_again(mcv_sweep *s, size_t set, const double *known, double *row,
+                               mcv_error *error) {
+    const size_t begin = s->plan.count, end = mcv_row_fixed(&s->table, MCV_ROW_SECONDS);
+    memcpy(row + begin, known + begin, (end - begin) * sizeof *row);
+    return mcv_judge_decide(s->judge, set, row, error);
+}
+
+static mcv_result decide(mcv_sweep *s, const set_at_work *w, size_t set, const mcv_film *film,
+                         double *row, mcv_error *error) {
+    const uint64_t scene = picture_of(s, w, row);
+    MCV_TRY(mcv_judge_expose(s->judge, scene, w->scene, w->sensor, film, row, error));
+    return mcv_judge_decide(s->judge, set, row, error);
+}
+
+/* Render and exposure have noise of their own in sets that have their own seeds. */
+static void take_seed(set_at_work *w, size_t set) {
+    const mcv_sweep *s = w->sweep;
+    const uint32_t offset = s->plan.seeds ? s->plan.seeds[set] : 0;
+    w->seed = s->experiment->render.seed + offset;
+    w->measuring = s->experiment->measuring;
+    w->measuring.camera.camera.seed += offset;
+    w->measurement = s->measurement;
+    w->measurement.asked = &w->measuring;
 }
 
 static mcv_result try_set(mcv_sweep *s, size_t set, double *row, mcv_error *error) {
@@ -122,14 +160,42 @@ static mcv_result try_set(mcv_sweep *s, size_t set, double *row, mcv_error *erro
     mcv_film film = {0};
     mcv_scene *scene = NULL;
     set_at_work w = {.sweep = s};
+    take_seed(&w, set);
+    const double *known = s->judge && !s->experiment->images
+                              ? mcv_judge_known(s->judge, picture_of(s, &w, row))
+                              : NULL;
+    if (known) return decide_again(s, set, known, row, error);
     MCV_TRY(mcv_load_set(s, row, texts, &scene, error));
     w.scene = scene;
     mcv_result result = mcv_set_sensor(s->experiment, scene, &w.sensor, error);
     if (result == MCV_OK) result = render(s, &w, &film, error);
     if (result == MCV_OK) result = measure(s, &w, set, &film, texts, row, error);
+    if (result == MCV_OK && s->judge) result = decide(s, &w, set, &film, row, error);
     mcv_film_free(&film);
     mcv_scene_free(scene);
     return result;
+}
+
+/* Whether no set can be rendered: the device that has failed cannot be opened again. */
+static bool device_is_gone(const mcv_sweep *s, mcv_error *why) {
+    mcv_cl cl = {NULL};
+    mcv_error reason = {""};
+    if (mcv_cl_open(s->experiment->render.device, &cl, &reason) == MCV_OK) {
+        mcv_cl_close(&cl);
+        return false;
+    }
+    *why = reason;
+    return true;
+}
+
+/* A failure of the device: the set is tried again, now and when the table is resumed. */
+static mcv_result try_again(mcv_sweep *s, size_t set, double *row, mcv_error *why) {
+    mcv_error again = {""};
+    if (try_set(s, set, row, &again) == MCV_OK) return MCV_OK;
+    char text[sizeof why->text];
+    snprintf(text, sizeof text, "%s", again.text);
+    return mcv_fail(why, MCV_DEVICE, MCV_ROW_RETRY "%.*s",
+                    (int)(sizeof text - sizeof MCV_ROW_RETRY), text);
 }
 
 mcv_result mcv_run_set(mcv_sweep *s, size_t set, double *row, mcv_error *error) {
@@ -139,7 +205,17 @@ mcv_result mcv_run_set(mcv_sweep *s, size_t set, double *row, mcv_error *error) 
     const double begun = mcv_seconds();
     for (size_t i = s->plan.count; i < table->columns; ++i) row[i] = NAN;
     row[mcv_row_fixed(table, MCV_ROW_SET)] = (double)set;
-    const mcv_result result = try_set(s, set, row, &why), stopped = interrupted(s);
+    mcv_result result = try_set(s, set, row, &why);
+    mcv_result stopped = interrupted(s);
+    if (result == MCV_DEVICE && stopped == MCV_OK) {
+        if (device_is_gone(s, &why))
+            return mcv_fail(error, MCV_DEVICE,
+                            "set %zu: %.1024s: no set can be rendered; %zu rows "
+                            "are kept, continue by --resume",
+                            set, why.text, table->row_count);
+        result = try_again(s, set, row, &why);
+        stopped = interrupted(s);
+    }
     if (stopped != MCV_OK && !s->experiment->table)
         return mcv_fail(error, stopped, "interrupted after %zu sets", table->row_count);
     if (stopped != MCV_OK)

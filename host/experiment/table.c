@@ -1,12 +1,17 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "experiment/table.h"
 
+#include "core/output_file.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
+#include <sys/stat.h>
+#include <sys/sysmacros.h>
 #include <unistd.h>
 
 enum { MAX_ROW = 8192 }; /* bytes in the file */
@@ -125,12 +130,61 @@ mcv_result mcv_table_append(mcv_table *table, const double *row, const char *mes
     return MCV_OK;
 }
 
-mcv_result mcv_table_open(mcv_table *table, mcv_error *error) {
-    table->descriptor = open(table->path, O_WRONLY | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+/* The process that holds a lock on a file, as the system lists it; 0: not known. */
+static long holder_of(const struct stat *status) {
+    char line[256];
+    FILE *locks = fopen("/proc/locks", "re");
+    long holder = 0;
+    while (locks && holder == 0 && fgets(line, sizeof line, locks)) {
+        long process;
+        unsigned major, minor;
+        unsigned long inode;
+        const bool read =
+            sscanf(line, "%*s FLOCK %*s %*s %ld %x:%x:%lu", &process, &major, &minor, &inode) == 4;
+        if (read && inode == status->st_ino && major == major(status->st_dev) &&
+            minor == minor(status->st_dev))
+            holder = process;
+    }
+    if (locks) fclose(locks);
+    return holder;
+}
+
+static mcv_result tell_holder(const mcv_table *table, const struct stat *status, mcv_error *error) {
+    const long holder = holder_of(status);
+    char who[64] = "another process";
+    if (holder > 0) snprintf(who, sizeof who, "process %ld", holder);
+    return mcv_fail(error, MCV_BAD_INPUT,
+                    "%s: is being written by %s: wait until it ends, or give another name by -o",
+                    table->path, who);
+}
+
+mcv_result mcv_table_lock(mcv_table *table, bool *exists, mcv_error *error) {
+    struct stat held, named;
+    /* While it was waited for, another process may have put another file in its place. */
+    for (int tries = 0; tries < 100; ++tries) {
+        table->descriptor = open(table->path, O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
+        if (table->descriptor < 0 || fstat(table->descriptor, &held) != 0)
+            return mcv_fail(error, MCV_BAD_INPUT, "%s: %s", table->path, strerror(errno));
+        /* Not every file system has locks. */
+        if (flock(table->descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
+            return tell_holder(table, &held, error);
+        if (stat(table->path, &named) == 0 && named.st_ino == held.st_ino &&
+            named.st_dev == held.st_dev)
+            break;
+        close(table->descriptor);
+        table->descriptor = -1;
+    }
     if (table->descriptor < 0)
-        return mcv_fail(error, MCV_BAD_INPUT, "%s: %s", table->path, strerror(errno));
-    return lseek(table->descriptor, 0, SEEK_END) > 0 ? MCV_OK
-                                                     : append_line(table, NULL, NULL, error);
+        return mcv_fail(error, MCV_FAILED, "%s: is replaced again and again", table->path);
+    table->locked = true;
+    *exists = fstat(table->descriptor, &held) == 0 && held.st_size > 0;
+    return MCV_OK;
+}
+
+mcv_result mcv_table_begin(mcv_table *table, mcv_error *error) {
+    if (ftruncate(table->descriptor, 0) != 0)
+        return mcv_fail(error, MCV_FAILED, "%s: %s", table->path, strerror(errno));
+    return append_line(table, NULL, NULL, error);
 }
 
 /* Removes the quotes that put_quoted has added. */
@@ -144,7 +198,9 @@ static const char *unquote(char *text) {
     return text;
 }
 
-static void read_line(mcv_table *table, char *line, bool *done) {
+/* Whether the row is kept: it is one of the plan, the first of its set, and not to be tried again.
+ */
+static bool read_line(mcv_table *table, char *line, bool *done) {
     double row[MCV_ROW_MOST];
     char *at = line;
     const double number = strtod(at, &at);
@@ -155,30 +211,55 @@ static void read_line(mcv_table *table, char *line, bool *done) {
         if (end == at) row[i] = NAN;
         at = end;
     }
-    if (*at != ',' || !(number >= 0 && number < (double)table->plan->set_count)) return;
+    if (*at != ',' || !(number >= 0 && number < (double)table->plan->set_count)) return false;
     const size_t set = (size_t)number;
-    if (done[set]) return;
+    const char *message = at[1] ? unquote(at + 1) : NULL;
+    if (done[set] || (message && strncmp(message, MCV_ROW_RETRY, strlen(MCV_ROW_RETRY)) == 0))
+        return false;
     done[set] = true;
-    keep(table, row, at[1] ? unquote(at + 1) : NULL);
+    keep(table, row, message);
+    return true;
+}
+
+/* Puts the kept lines in the place of the file, which is locked anew. */
+static mcv_result replace(mcv_table *table, const char *text, size_t size, mcv_error *error) {
+    bool exists;
+    MCV_TRY(mcv_output_whole(table->path, text, size, error));
+    close(table->descriptor);
+    return mcv_table_lock(table, &exists, error);
 }
 
 mcv_result mcv_table_resume(mcv_table *table, bool *done, mcv_error *error) {
-    char *line = NULL;
-    size_t room = 0;
+    char *line = NULL, *kept = NULL;
+    size_t room = 0, size = 0;
     off_t whole = 0;
-    FILE *file = fopen(table->path, "r");
-    if (!file) return mcv_fail(error, MCV_BAD_INPUT, "%s: %s", table->path, strerror(errno));
+    bool all = true;
+    FILE *file = fopen(table->path, "re"), *out = file ? open_memstream(&kept, &size) : NULL;
+    if (!out) {
+        if (file) fclose(file);
+        return mcv_fail(error, MCV_BAD_INPUT, "%s: %s", table->path, strerror(errno));
+    }
     for (ssize_t length; (length = getline(&line, &room, file)) > 0 && line[length - 1] == '\n';
          whole += length) {
-        if (whole == 0) continue; /* the header */
+        const long before = ftell(out);
+        fwrite(line, 1, (size_t)length, out);
         line[length - 1] = '\0';
-        read_line(table, line, done);
+        if (whole == 0 || read_line(table, line, done)) continue; /* the header */
+        all = false;
+        fseek(out, before, SEEK_SET);
     }
     free(line);
     fclose(file);
-    return truncate(table->path, whole) == 0
-               ? MCV_OK
-               : mcv_fail(error, MCV_FAILED, "%s: %s", table->path, strerror(errno));
+    const long end = ftell(out);
+    mcv_result result = MCV_OK;
+    if (fclose(out) != 0)
+        result = mcv_fail(error, MCV_FAILED, "%s: no memory for its rows", table->path);
+    else if (!all)
+        result = replace(table, kept, (size_t)end, error);
+    else if (ftruncate(table->descriptor, whole) != 0)
+        result = mcv_fail(error, MCV_FAILED, "%s: %s", table->path, strerror(errno));
+    free(kept);
+    return result != MCV_OK || whole > 0 ? result : append_line(table, NULL, NULL, error);
 }
 
 size_t mcv_table_failed(const mcv_table *table) {
@@ -199,6 +280,9 @@ void mcv_table_extremes(const mcv_table *table, size_t metric, const double *ext
 }
 
 void mcv_table_free(mcv_table *table) {
+    struct stat status;
+    if (table->locked && fstat(table->descriptor, &status) == 0 && status.st_size == 0)
+        unlink(table->path);
     if (table->descriptor >= 0) close(table->descriptor);
     for (size_t i = 0; i < table->row_count; ++i) free(table->messages[i]);
     free(table->messages);

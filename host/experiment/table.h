@@ -17,6 +17,8 @@
 
 /* Samples per pixel; relative error of the image; seconds of the set; number of the set. */
 enum { MCV_ROW_SAMPLES, MCV_ROW_ERROR, MCV_ROW_SECONDS, MCV_ROW_SET, MCV_ROW_FIXED };
+/* With this begins the message of a set that is tried again: its failure is not of its own. */
+#define MCV_ROW_RETRY "device trouble: "
 enum { MCV_ROW_MOST = MCV_DESIGN_PARAMETERS + 2 * MCV_METRICS + MCV_ROW_FIXED };
 
 typedef struct mcv_table {
@@ -28,6 +30,7 @@ typedef struct mcv_table {
     char **messages; /* why each row failed, or NULL */
     size_t row_count;
     int descriptor; /* of the file, -1: not open */
+    bool locked;
 } mcv_table;
 
 /*
@@ -38,11 +41,19 @@ typedef struct mcv_table {
 mcv_result mcv_table_plan(mcv_table *table, const char *path, const mcv_plan *plan,
                           const mcv_measurement *measurement, mcv_error *error);
 
-/* Opens the file for appending; a new one gets its header. */
-mcv_result mcv_table_open(mcv_table *table, mcv_error *error);
+/*
+ * Opens the file, which is made where there is none, and locks it until the table is freed.
+ * *exists: it has rows or a header. MCV_BAD_INPUT where another process writes it: the sentence
+ * tells which, where the system does. One that was made and has got no header is removed again when
+ * the table is freed.
+ */
+mcv_result mcv_table_lock(mcv_table *table, bool *exists, mcv_error *error);
 
-/* Reads the rows of an existing file and removes what follows the last whole one. done[set] is set
- * for each. */
+/* Empties the file that is locked, and writes the header. */
+mcv_result mcv_table_begin(mcv_table *table, mcv_error *error);
+
+/* Reads the rows of the file that is locked. What follows the last whole one is removed, and so are
+ * the rows of sets that failed for want of a device (MCV_ROW_RETRY). done[set] is set for each. */
 mcv_result mcv_table_resume(mcv_table *table, bool *done, mcv_error *error);
 
 /* Appends a row to the file, in one write, and to memory. message: why the set failed, or NULL. */

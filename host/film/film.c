@@ -213,6 +213,27 @@ double mcv_film_relative_error(const mcv_film *film) {
     return sqrt(variance / (double)count) / fabs(mean / (double)count);
 }
 
+/* Puts a variance among the largest, which ascend; returns what falls out. */
+static double keep_largest(double largest[MCV_FILM_WORST], double variance) {
+    int i = 0;
+    const double out = fmin(largest[0], variance);
+    for (; i + 1 < MCV_FILM_WORST && largest[i + 1] < variance; ++i) largest[i] = largest[i + 1];
+    if (variance > out) largest[i] = variance;
+    return out;
+}
+
+double mcv_film_error_of_rest(const mcv_film *film) {
+    const size_t count = (size_t)film->width * film->height * film->channels;
+    double largest[MCV_FILM_WORST] = {0}, mean = 0, variance = 0;
+    for (size_t i = 0; i < count; ++i) {
+        const mcv_estimate estimate = estimate_at(film, i);
+        mean += estimate.mean;
+        variance += isnan(estimate.variance) ? NAN : keep_largest(largest, estimate.variance);
+    }
+    if (variance == 0) return 0;
+    return sqrt(variance / (double)count) / fabs(mean / (double)count);
+}
+
 size_t mcv_film_values(const mcv_film *film) {
     return (size_t)film->width * film->height * film->channels * film->replicates;
 }

@@ -96,6 +96,12 @@ double mcv_film_mean(const mcv_film *film);
  * has infinity with an error and 0 without one. NaN for a single replicate or no samples. */
 double mcv_film_relative_error(const mcv_film *film);
 
+/* The same without the MCV_FILM_WORST values of the largest standard error, over the mean of the
+ * whole image: what is left where a few pixels hold nearly all of the error, such as the mirror
+ * image of a small lamp. */
+enum { MCV_FILM_WORST = 16 };
+double mcv_film_error_of_rest(const mcv_film *film);
+
 /* The number of values in its sums, over all replicates. */
 size_t mcv_film_values(const mcv_film *film);
 

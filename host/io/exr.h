@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * OpenEXR: scanline images of float, ZIP, one part or several; what is written is read back bit for
- * bit (-0, denormals, NaN, ∞). Part 0 is what viewers show. The attributes in its header hold all
- * that is needed to repeat a render.
+ * OpenEXR: images in lines, of float, ZIP, one part or several; what is written is read back bit
+ * for bit (-0, denormals, NaN, ∞). Part 0 is what viewers show. The attributes in its header hold
+ * all that is needed to repeat a render.
  */
 #ifndef MCVISI_HOST_IO_EXR_H
 #define MCVISI_HOST_IO_EXR_H
@@ -58,12 +58,16 @@ mcv_result mcv_exr_write(const char *path, const mcv_exr_part *parts, uint32_t p
                          mcv_error *error);
 
 /*
- * Reads scanline files of half, float or 32-bit integer channels, uncompressed, RLE, ZIPS or ZIP.
+ * Reads images in lines or tiles, of half, float or 32-bit integer channels, in any of OpenEXR's
+ * compressions; of several levels the largest. Deep images and subsampled channels are refused.
  * R, G, B come first where a part has them, the others follow in the file's order. Header and chunk
  * table are checked before OpenEXR sees the file: damaged ones are MCV_BAD_INPUT with one sentence.
  */
 mcv_result mcv_exr_read(const char *path, mcv_exr *exr, mcv_error *error);
 void mcv_exr_free(mcv_exr *exr);
+
+/* What a file holds, by its header alone: values of all parts, and pixels of part 0. */
+mcv_result mcv_exr_size(const char *path, uint64_t *values, uint64_t *pixels, mcv_error *error);
 
 /* The attribute of this name, or NULL. */
 const mcv_attribute *mcv_exr_attribute(const mcv_exr *exr, const char *name);

@@ -21,7 +21,27 @@ typedef struct mcv_exr_part_header {
     mcv_exr_channel channels[MCV_EXR_MAX_CHANNELS];
     uint32_t compression;
     uint32_t chunk_count;
+    bool tiled;
+    uint32_t tile_width, tile_height;
+    uint32_t level_mode; /* MCV_EXR_ONE_LEVEL … */
+    bool round_up;       /* sizes of levels are rounded up */
 } mcv_exr_part_header;
+
+/* OpenEXR's numbers. */
+enum { MCV_EXR_ONE_LEVEL, MCV_EXR_MIPMAP, MCV_EXR_RIPMAP };
+enum {
+    MCV_EXR_NONE,
+    MCV_EXR_RLE,
+    MCV_EXR_ZIPS,
+    MCV_EXR_ZIP,
+    MCV_EXR_PIZ,
+    MCV_EXR_PXR24,
+    MCV_EXR_B44,
+    MCV_EXR_B44A,
+    MCV_EXR_DWAA,
+    MCV_EXR_DWAB,
+    MCV_EXR_COMPRESSIONS
+};
 
 typedef struct mcv_exr_header {
     mcv_exr_part_header *parts;
@@ -29,9 +49,6 @@ typedef struct mcv_exr_header {
     mcv_attribute *attributes; /* of part 0; owned */
     uint32_t attribute_count;
 } mcv_exr_header;
-
-/* Lines that one chunk holds. */
-uint32_t mcv_exr_lines_per_chunk(uint32_t compression);
 
 /*
  * Fills the header from a whole file in memory, or says what is wrong (MCV_BAD_INPUT, naming path).
@@ -41,5 +58,30 @@ uint32_t mcv_exr_lines_per_chunk(uint32_t compression);
 mcv_result mcv_exr_header_read(const char *path, const uint8_t *bytes, size_t size,
                                mcv_exr_header *header, mcv_error *error);
 void mcv_exr_header_free(mcv_exr_header *header);
+
+/* A file in memory while its header is read: `at` is the next byte. */
+typedef struct mcv_exr_reader {
+    const char *path;
+    const uint8_t *bytes;
+    size_t size, at;
+    bool multi_part, long_names, tiled;
+    mcv_error *error;
+} mcv_exr_reader;
+
+/* The next count bytes, or NULL where the file has fewer. */
+const uint8_t *mcv_exr_take(mcv_exr_reader *r, size_t count);
+mcv_result mcv_exr_damaged(const mcv_exr_reader *r, const char *what);
+
+/* Little endian numbers. */
+uint32_t mcv_exr_u32(const uint8_t *b);
+int32_t mcv_exr_i32(const uint8_t *b);
+uint64_t mcv_exr_u64(const uint8_t *b);
+
+/* exr_chunks.c: the chunks of a part, at most 2^32 - 1. */
+uint32_t mcv_exr_count_chunks(const mcv_exr_part_header *part);
+
+/* exr_chunks.c: reads the tables of chunk offsets, which follow the headers, and checks every
+ * chunk. */
+mcv_result mcv_exr_check_chunks(mcv_exr_reader *r, const mcv_exr_header *header);
 
 #endif

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What reading and writing of OpenEXR files share: what the library's callbacks work on, and
- * errors. */
+/* What the files that write OpenEXR share: what the library's callbacks work on, and errors. */
 #ifndef MCVISI_HOST_IO_EXR_STREAM_H
 #define MCVISI_HOST_IO_EXR_STREAM_H
 
@@ -10,12 +9,10 @@
 
 #include <openexr.h>
 
-/* What the library's callbacks work on: an output file, or a whole file in memory. */
+/* What the library's callbacks work on. */
 typedef struct mcv_exr_stream {
     const char *path;
     mcv_output *output;
-    const uint8_t *bytes;
-    size_t size;
     mcv_error *error;
     char message[512]; /* the library's last one */
     mcv_result result; /* of mcv_output_write_at, which knows more than the library */
@@ -31,9 +28,6 @@ void mcv_exr_on_error(exr_const_context_t context, exr_result_t code, const char
 
 /* Turns a failed call into the sentence for the user; what our own callback has written stands. */
 mcv_result mcv_exr_failed(mcv_exr_stream *s, mcv_result code, exr_result_t result);
-
-/* Points the channels of a chunk to the rows of the part's image from this one on. False for a
- * channel that the part lacks. */
 
 const char *mcv_exr_channel_name(const mcv_exr_part *part, uint32_t channel);
 

@@ -20,8 +20,10 @@ static bool is_component_type(uint64_t type) {
            type == MCV_GLTF_UNSIGNED_INT || type == MCV_GLTF_FLOAT;
 }
 
-/* Bytes of an element; columns of matrices start at multiples of four bytes. */
-static uint64_t element_size(const char *type, uint32_t component_type, uint32_t *components) {
+/* Bytes of an element; columns of matrices start at multiples of four bytes. *least: those that its
+ * components take, without what pads the last column. */
+static uint64_t element_size(const char *type, uint32_t component_type, uint32_t *components,
+                             uint64_t *least) {
     static const struct {
         const char *name;
         uint32_t rows, columns;
@@ -31,17 +33,20 @@ static uint64_t element_size(const char *type, uint32_t component_type, uint32_t
         if (strcmp(types[i].name, type) == 0) {
             const uint64_t column = types[i].rows * component_size(component_type);
             *components = types[i].rows * types[i].columns;
-            return types[i].columns == 1 ? column : types[i].columns * ((column + 3) / 4 * 4);
+            const uint64_t padded = types[i].columns == 1 ? column : (column + 3) / 4 * 4;
+            *least = (types[i].columns - 1) * padded + column;
+            return types[i].columns * padded;
         }
     *components = 0;
+    *least = 0;
     return 0;
 }
 
-/* Checks `count` elements of `size` bytes, with components of `component` bytes, in the bufferView
- * that `object` names. */
+/* Checks `count` elements of `size` bytes, the last of at least `least`, with components of
+ * `component` bytes, in the bufferView that `object` names. */
 static mcv_result check_span(const json_t *root, const json_t *object, uint64_t count,
-                             uint64_t size, uint64_t component, mcv_buffer_span *span,
-                             const mcv_json_path *place, mcv_error *error) {
+                             uint64_t size, uint64_t least, uint64_t component,
+                             mcv_buffer_span *span, const mcv_json_path *place, mcv_error *error) {
     const json_t *views = json_object_get(root, "bufferViews");
     uint64_t offset = 0, view_offset = 0, length = 0, stride = 0, buffer = 0;
     const mcv_json_path here = mcv_json_path_key(place, "byteOffset");
@@ -62,7 +67,7 @@ static mcv_result check_span(const json_t *root, const json_t *object, uint64_t 
     span->offset = view_offset + offset;
     span->has_stride = stride != 0;
     if (stride) span->stride = stride;
-    if (span->stride < size)
+    if (span->stride < least)
         return mcv_fail_at(
             place, error,
             "elements of %llu bytes overlap in bufferView %u with its byteStride of %llu",
@@ -74,17 +79,17 @@ static mcv_result check_span(const json_t *root, const json_t *object, uint64_t 
             (unsigned long long)offset, (unsigned long long)span->offset,
             (unsigned long long)component);
     if (count - 1 > (UINT64_MAX >> 1) / span->stride ||
-        offset + span->stride * (count - 1) + size > length)
+        offset + span->stride * (count - 1) + least > length)
         return mcv_fail_at(
             place, error,
             "%llu elements of %llu bytes from byte %llu on exceed the %llu bytes of bufferView %u",
             (unsigned long long)count, (unsigned long long)span->stride, (unsigned long long)offset,
             (unsigned long long)length, span->view);
-    span->end = span->offset + span->stride * (count - 1) + size;
+    span->end = span->offset + span->stride * (count - 1) + least;
     return MCV_OK;
 }
 
-static mcv_result check_sparse(const json_t *root, json_t *sparse, uint64_t size,
+static mcv_result check_sparse(const json_t *root, json_t *sparse, uint64_t size, uint64_t least,
                                mcv_accessor *accessor, const mcv_json_path *place,
                                mcv_error *error) {
     json_t *indices, *values;
@@ -105,9 +110,9 @@ static mcv_result check_sparse(const json_t *root, json_t *sparse, uint64_t size
                            (unsigned)type);
     accessor->sparse_type = (uint32_t)type;
     const uint64_t index_size = component_size(accessor->sparse_type);
-    MCV_TRY(check_span(root, indices, accessor->sparse_count, index_size, index_size,
+    MCV_TRY(check_span(root, indices, accessor->sparse_count, index_size, index_size, index_size,
                        &accessor->sparse_indices, &indices_place, error));
-    MCV_TRY(check_span(root, values, accessor->sparse_count, size,
+    MCV_TRY(check_span(root, values, accessor->sparse_count, size, least,
                        component_size(accessor->component_type), &accessor->sparse_values,
                        &values_place, error));
     if (accessor->sparse_indices.view == MCV_NONE || accessor->sparse_values.view == MCV_NONE)
@@ -138,9 +143,11 @@ mcv_result mcv_accessor_check(const json_t *root, const json_t *object, mcv_acce
     accessor->component_type = (uint32_t)type;
     if (accessor->normalized && type >= MCV_GLTF_UNSIGNED_INT)
         return mcv_fail_at(place, error, "normalized is for integers of 8 and 16 bits only");
-    const uint64_t size = element_size(shape, accessor->component_type, &accessor->components);
+    uint64_t least;
+    const uint64_t size =
+        element_size(shape, accessor->component_type, &accessor->components, &least);
     if (accessor->components == 0) return MCV_OK; /* whatever uses the accessor reports the type */
-    MCV_TRY(check_span(root, object, accessor->count, size,
+    MCV_TRY(check_span(root, object, accessor->count, size, least,
                        component_size(accessor->component_type), &accessor->elements, place,
                        error));
     if (accessor->elements.view == MCV_NONE && accessor->count > unbacked_limit)
@@ -148,7 +155,7 @@ mcv_result mcv_accessor_check(const json_t *root, const json_t *object, mcv_acce
                            (unsigned long long)accessor->count);
     if (!sparse) return MCV_OK;
     const mcv_json_path here = mcv_json_path_key(place, "sparse");
-    return check_sparse(root, sparse, size, accessor, &here, error);
+    return check_sparse(root, sparse, size, least, accessor, &here, error);
 }
 
 mcv_result mcv_accessor_get(const json_t *root, const json_t *object, const char *key, bool *given,
@@ -200,13 +207,14 @@ static float scaled(double value, const mcv_accessor *accessor) {
 }
 
 static const uint8_t *element(const mcv_gltf *gltf, const mcv_buffer_span *span, uint64_t i) {
-    return mcv_gltf_buffer(gltf, span->buffer).data + span->offset + i * span->stride;
+    return mcv_gltf_bytes(gltf, span->buffer, span->offset + i * span->stride, 1);
 }
 
 /* A buffer may be declared without data. */
 static mcv_result check_data(const mcv_gltf *gltf, const mcv_buffer_span *span,
                              const mcv_json_path *place, mcv_error *error) {
-    if (span->view == MCV_NONE || span->end <= mcv_gltf_buffer(gltf, span->buffer).size)
+    if (span->view == MCV_NONE ||
+        mcv_gltf_bytes(gltf, span->buffer, span->offset, span->end - span->offset))
         return MCV_OK;
     return mcv_fail_at(place, error, "buffer %u has no data: give it a uri", span->buffer);
 }

@@ -63,7 +63,7 @@ mcv_asset_cache *mcv_asset_cache_new(void) { return calloc(1, sizeof(mcv_asset_c
 static void forget(mcv_cached_asset *a) {
     mcv_stamps_free(a->stamps, a->stamp_count);
     json_decref(a->root);
-    mcv_gltf_close(a->gltf);
+    mcv_gltf_free(a->gltf);
     mcv_scene_free(a->solid);
 }
 

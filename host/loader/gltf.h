@@ -1,37 +1,34 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/*
- * tinygltf behind a C interface: buffers, data URIs and images of a glTF document. The document
- * must be validated before, because tinygltf 2.7.0 does not check offsets. No exception leaves this
- * interface.
- */
+/* The data of a glTF document: the parts of its buffers that accessors and images need, and decoded
+ * images. */
 #ifndef MCVISI_HOST_LOADER_GLTF_H
 #define MCVISI_HOST_LOADER_GLTF_H
 
 #include "core/input_file.h"
 
-#ifdef __cplusplus
-extern "C" {
-#endif
+/* Bytes first … first + size - 1 of a buffer. */
+typedef struct mcv_gltf_part {
+    uint64_t first, size;
+    uint8_t *data; /* NULL where nothing of it is needed, or where it has no data */
+} mcv_gltf_part;
 
-typedef struct mcv_gltf mcv_gltf;
+/* 8-bit RGBA, row 0 on top. */
+typedef struct mcv_gltf_picture {
+    uint32_t width, height;
+    uint8_t *rgba;
+} mcv_gltf_picture;
 
-/* Reads the contents of a URI other than data:, malloc'ed: the binary chunk or a file. */
-typedef mcv_result mcv_gltf_read(void *user, const char *uri, mcv_bytes *bytes, mcv_error *error);
+typedef struct mcv_gltf {
+    size_t buffer_count, picture_count;
+    mcv_gltf_part *buffers;     /* as in the document */
+    mcv_gltf_picture *pictures; /* by the numbers that mcv_load_need_image gives */
+} mcv_gltf;
 
-/* `json` contains only buffers, bufferViews and images; the names of images are those for
- * messages. */
-mcv_result mcv_gltf_open(const char *json, size_t length, mcv_gltf_read *read, void *user,
-                         mcv_gltf **gltf, const mcv_json_path *place, mcv_error *error);
-void mcv_gltf_close(mcv_gltf *gltf);
+/* Room for them, all empty; NULL without memory. */
+mcv_gltf *mcv_gltf_new(size_t buffer_count, size_t picture_count);
+void mcv_gltf_free(mcv_gltf *gltf);
 
-/* The contents of buffers[index]: at least byteLength bytes. */
-mcv_bytes mcv_gltf_buffer(const mcv_gltf *gltf, size_t index);
+/* `size` bytes of a buffer from byte `offset` on; NULL if they were not read. */
+const uint8_t *mcv_gltf_bytes(const mcv_gltf *gltf, size_t buffer, uint64_t offset, uint64_t size);
 
-/* The pixels of images[index], 8-bit RGBA, row 0 on top; valid until closed. */
-const uint8_t *mcv_gltf_image(const mcv_gltf *gltf, size_t index, uint32_t *width,
-                              uint32_t *height);
-
-#ifdef __cplusplus
-}
-#endif
 #endif

@@ -3,6 +3,7 @@
 #include "loader/loader.h"
 
 #include "core/basics.h"
+#include "loader/memory.h"
 #include "scene/emitters.h"
 #include "scene/params.h"
 #include "scene/spectra.h"
@@ -106,7 +107,7 @@ static mcv_result check_format(const char *path, const mcv_json_path *place, mcv
 
 mcv_result mcv_scene_load(const char *path, mcv_overrides overrides, mcv_scene **scene,
                           mcv_error *error) {
-    return mcv_scene_load_cached(path, overrides, NULL, scene, error);
+    return mcv_scene_load_cached(path, overrides, 0, NULL, scene, error);
 }
 
 static mcv_loader new_loader(const char *path, mcv_asset_cache *cache) {
@@ -118,12 +119,19 @@ static mcv_loader new_loader(const char *path, mcv_asset_cache *cache) {
                         .cache = cache};
 }
 
+static mcv_scene *new_scene(const char *path, uint64_t memory) {
+    mcv_scene *scene = mcv_scene_new(path);
+    if (scene) scene->memory.limit = memory ? memory : mcv_memory_default();
+    return scene;
+}
+
 /* All that follows once the bytes or the tree of the document are there. */
 static mcv_result load(mcv_loader *loader, mcv_overrides overrides, mcv_error *error) {
     const mcv_transform world = mcv_transform_identity();
     MCV_TRY(mcv_load_open(loader, overrides, error));
     MCV_TRY(load_spectrum(loader, error));
     MCV_TRY(mcv_load_nodes(loader, &world, error));
+    MCV_TRY(mcv_load_defects(loader, error));
     mcv_scene_settle_spectra(loader->scene);
     MCV_TRY(warn_unused(loader, error));
     return warn_of_needles(loader->scene, error);
@@ -139,12 +147,13 @@ static mcv_result finish(mcv_loader *loader, mcv_result result, mcv_scene **scen
     return result;
 }
 
-mcv_result mcv_scene_load_cached(const char *path, mcv_overrides overrides, mcv_asset_cache *cache,
-                                 mcv_scene **scene, mcv_error *error) {
+mcv_result mcv_scene_load_cached(const char *path, mcv_overrides overrides, uint64_t memory,
+                                 mcv_asset_cache *cache, mcv_scene **scene, mcv_error *error) {
     mcv_loader loader = new_loader(path, cache);
     if (cache) mcv_asset_cache_drop_changed(cache);
-    *scene = loader.scene = mcv_scene_new(path);
+    *scene = loader.scene = new_scene(path, memory);
     if (!loader.scene) return mcv_fail_memory(&loader.file, error);
+    loader.memory = &loader.scene->memory;
     mcv_result result = mcv_load_file(&loader, path, &loader.bytes, &loader.file, error);
     if (result == MCV_OK) result = check_format(path, &loader.file, error);
     if (result == MCV_OK) result = load(&loader, overrides, error);
@@ -154,11 +163,14 @@ mcv_result mcv_scene_load_cached(const char *path, mcv_overrides overrides, mcv_
 /* --- documents --- */
 
 mcv_result mcv_scene_load_document(const mcv_document *document, mcv_overrides overrides,
-                                   mcv_asset_cache *cache, mcv_scene **scene, mcv_error *error) {
+                                   uint64_t memory, mcv_asset_cache *cache, mcv_scene **scene,
+                                   mcv_error *error) {
     mcv_loader loader = new_loader(document->path, cache);
     if (cache) mcv_asset_cache_drop_changed(cache);
-    *scene = loader.scene = mcv_scene_new(document->path);
+    *scene = loader.scene = new_scene(document->path, memory);
     if (!loader.scene) return mcv_fail_memory(&loader.file, error);
+    loader.memory = &loader.scene->memory;
+    loader.scene->memory.files = document->memory;
     loader.root = json_deep_copy(document->root);
     loader.binary = document->binary;
     loader.fingerprint = document->fingerprint;
@@ -174,6 +186,7 @@ static mcv_result open_document(mcv_loader *loader, mcv_document *document, mcv_
                                .root = loader->root,
                                .file = loader->bytes,
                                .binary = loader->binary,
+                               .memory = loader->memory->files,
                                .fingerprint = loader->fingerprint};
     if (result == MCV_OK && !document->path) result = mcv_fail_memory(&loader->file, error);
     if (result != MCV_OK) mcv_document_free(document);
@@ -181,7 +194,9 @@ static mcv_result open_document(mcv_loader *loader, mcv_document *document, mcv_
 }
 
 mcv_result mcv_document_read(const char *path, mcv_document *document, mcv_error *error) {
+    mcv_memory memory = {.limit = mcv_memory_default()};
     mcv_loader loader = new_loader(path, NULL);
+    loader.memory = &memory;
     *document = (mcv_document){0};
     MCV_TRY(mcv_load_file(&loader, path, &loader.bytes, &loader.file, error));
     const mcv_result result = check_format(path, &loader.file, error);
@@ -192,7 +207,9 @@ mcv_result mcv_document_read(const char *path, mcv_document *document, mcv_error
 
 mcv_result mcv_document_parse(const char *path, const char *json, size_t size,
                               mcv_document *document, mcv_error *error) {
+    mcv_memory memory = {.limit = mcv_memory_default()};
     mcv_loader loader = new_loader(path, NULL);
+    loader.memory = &memory;
     *document = (mcv_document){0};
     loader.bytes = (mcv_bytes){malloc(size ? size : 1), size};
     if (!loader.bytes.data) return mcv_fail_memory(&loader.file, error);
@@ -204,6 +221,7 @@ mcv_result mcv_document_parse(const char *path, const char *json, size_t size,
 mcv_result mcv_document_copy(const mcv_document *document, mcv_document *copy, mcv_error *error) {
     const mcv_json_path place = mcv_place_file(document->path);
     *copy = (mcv_document){.path = strdup(document->path),
+                           .memory = document->memory,
                            .root = json_deep_copy(document->root),
                            .fingerprint = document->fingerprint};
     bool whole = copy->path && copy->root;

@@ -15,8 +15,11 @@ typedef struct mcv_overrides {
     size_t count;
 } mcv_overrides;
 
-/* Reads a .gltf or .glb. On failure *scene is NULL and the error names file, JSON path and what
- * would be right. */
+/*
+ * Reads a .gltf or .glb. On failure *scene is NULL and the error names file, JSON path and what
+ * would be right. What it takes in memory is told before it is taken, and refused above a limit:
+ * `memory` bytes in the functions below, 0 and here half of the machine's.
+ */
 mcv_result mcv_scene_load(const char *path, mcv_overrides overrides, mcv_scene **scene,
                           mcv_error *error);
 
@@ -29,8 +32,8 @@ typedef struct mcv_asset_cache mcv_asset_cache;
 mcv_asset_cache *mcv_asset_cache_new(void); /* NULL without memory */
 void mcv_asset_cache_free(mcv_asset_cache *cache);
 size_t mcv_asset_cache_reads(const mcv_asset_cache *cache);
-mcv_result mcv_scene_load_cached(const char *path, mcv_overrides overrides, mcv_asset_cache *cache,
-                                 mcv_scene **scene, mcv_error *error);
+mcv_result mcv_scene_load_cached(const char *path, mcv_overrides overrides, uint64_t memory,
+                                 mcv_asset_cache *cache, mcv_scene **scene, mcv_error *error);
 
 /* A scene's document in memory, to be changed and loaded again and again. */
 typedef struct mcv_document {
@@ -38,6 +41,7 @@ typedef struct mcv_document {
     json_t *root;
     mcv_bytes file, binary; /* of a .glb: its bytes, and the binary chunk inside of them */
     uint64_t fingerprint;   /* of what was read */
+    uint64_t memory;        /* bytes that it takes */
 } mcv_document;
 
 /* Reads a .gltf or .glb, or takes `size` bytes of JSON as if they stood in the file `path`. After
@@ -50,7 +54,8 @@ void mcv_document_free(mcv_document *document);
 
 /* As mcv_scene_load_cached, of a document as it stands. cache may be NULL. */
 mcv_result mcv_scene_load_document(const mcv_document *document, mcv_overrides overrides,
-                                   mcv_asset_cache *cache, mcv_scene **scene, mcv_error *error);
+                                   uint64_t memory, mcv_asset_cache *cache, mcv_scene **scene,
+                                   mcv_error *error);
 
 /* How to convert a file of another format, for error messages. */
 const char *mcv_conversion(const char *path);

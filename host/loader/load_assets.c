@@ -5,10 +5,14 @@
 #include "loader/load_stl.h"
 
 #include "core/basics.h"
+#include "loader/memory.h"
 #include "scene/mesh.h"
 #include "scene/params.h"
 
 #include <stdlib.h>
+
+/* Bytes of a mesh and of the table that numbers its vertices, for each of the file. */
+enum { STL_GROWTH = 3 };
 
 typedef struct asset_params {
     MCV_ASSET_PARAMS(MCV_DEFINE_FIELD)
@@ -46,6 +50,8 @@ static mcv_result open_stl(mcv_loader *loader, mcv_loader *asset, const json_t *
         MCV_TRY(mcv_scene_add_mesh(asset->scene, cached->solid->meshes, error));
     } else {
         MCV_TRY(mcv_load_file(asset, asset->file.key, &asset->bytes, &there, error));
+        MCV_TRY(mcv_memory_take(loader->memory, &loader->memory->geometry,
+                                STL_GROWTH * (uint64_t)asset->bytes.size, &there, error));
         const mcv_result result = mcv_load_stl(asset->scene, asset->bytes, slash ? slash + 1 : uri,
                                                &asset->solid, size, &asset->file, error);
         free(asset->bytes.data);
@@ -118,6 +124,7 @@ static mcv_result open_asset(mcv_loader *loader, const json_t *object, size_t in
                            "an asset may not place assets itself: place them from the scene");
     MCV_TRY(mcv_file_resolve(loader->file.key, uri, loader->asset_paths + index, &here, error));
     *asset = (mcv_loader){.scene = loader->scene,
+                          .memory = loader->memory,
                           .file = mcv_place_file(loader->asset_paths[index]),
                           .is_asset = true,
                           .cache = loader->cache,

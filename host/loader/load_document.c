@@ -3,6 +3,7 @@
  * images. */
 #include "loader/loader.h"
 
+#include "loader/memory.h"
 #include "loader/overrides.h"
 #include "loader/validate.h"
 
@@ -25,105 +26,12 @@ void mcv_load_count(mcv_loader *loader, const void *data, size_t size) {
 mcv_result mcv_load_file(mcv_loader *loader, const char *path, mcv_bytes *bytes,
                          const mcv_json_path *place, mcv_error *error) {
     if (loader->is_asset && loader->cache) MCV_TRY(mcv_stamp_add(loader, path, place, error));
+    uint64_t size;
+    MCV_TRY(mcv_file_size(path, &size, place, error));
+    MCV_TRY(mcv_memory_take(loader->memory, &loader->memory->files, size, place, error));
     MCV_TRY(mcv_file_read(path, bytes, place, error));
     mcv_load_count(loader, bytes->data, bytes->size);
     return MCV_OK;
-}
-
-/* Answers requests of tinygltf: "buffers/3" or "images/5", the names that describe_data() has
- * given. */
-static mcv_result read_external(void *user, const char *name, mcv_bytes *bytes, mcv_error *error) {
-    mcv_loader *loader = user;
-    const char *slash = strchr(name, '/');
-    const bool is_buffer = slash && strncmp(name, "buffers/", 8) == 0;
-    const size_t index = slash ? strtoul(slash + 1, NULL, 10) : 0;
-    const mcv_json_path of = mcv_json_path_key(&loader->file, is_buffer ? "buffers" : "images");
-    const mcv_json_path element = mcv_place_index(&of, index),
-                        place = mcv_json_path_key(&element, "uri");
-    const json_t *object =
-        json_array_get(json_object_get(loader->root, is_buffer ? "buffers" : "images"), index);
-    const char *uri = json_string_value(json_object_get(object, "uri"));
-    const size_t length = (size_t)json_number_value(json_object_get(object, "byteLength"));
-    if (is_buffer && !uri && !mcv_buffer_is_chunk(loader->root, object, loader->binary)) {
-        bytes->data = calloc(1, 1); /* no data; nothing that is read fits into it */
-        bytes->size = 1;
-        return bytes->data ? MCV_OK : mcv_fail_memory(&element, error);
-    }
-    if (uri) {
-        char *path;
-        MCV_TRY(mcv_file_resolve(loader->file.key, uri, &path, &place, error));
-        const mcv_result result = mcv_load_file(loader, path, bytes, &place, error);
-        free(path);
-        MCV_TRY(result);
-    } else {
-        bytes->data = malloc(length);
-        bytes->size = length;
-        if (!bytes->data) return mcv_fail_memory(&element, error);
-        memcpy(bytes->data, loader->binary.data, length);
-    }
-    if (!is_buffer) return MCV_OK;
-    if (bytes->size < length) {
-        free(bytes->data);
-        return mcv_fail_at(&place, error, "\"%s\" has %zu bytes, but byteLength is %zu", uri,
-                           bytes->size, length);
-    }
-    bytes->size = length; /* tinygltf requires exactly this size */
-    return MCV_OK;
-}
-
-/* A data: URI stays; everything else is read by read_external. A data: URI with more bytes raises
- * byteLength, because tinygltf requires the exact size. */
-static json_t *describe_data(const mcv_loader *loader, const json_t *object, const char *of,
-                             size_t index) {
-    static const char *const types[] = {"application/octet-stream", "application/gltf-buffer",
-                                        "text/plain", NULL};
-    const char *uri = json_string_value(json_object_get(object, "uri"));
-    json_t *copy = json_object();
-    mcv_error ignored;
-    const mcv_json_path place = mcv_place_file("");
-    uint64_t length;
-    json_object_set_new(copy, "name", json_sprintf("%s/%zu", of, index));
-    if (json_object_get(object, "bufferView")) {
-        json_object_set(copy, "bufferView", json_object_get(object, "bufferView"));
-        json_object_set(copy, "mimeType", json_object_get(object, "mimeType"));
-        return copy;
-    }
-    if (json_object_get(object, "byteLength"))
-        json_object_set_new(
-            copy, "byteLength",
-            json_integer((json_int_t)json_number_value(json_object_get(object, "byteLength"))));
-    if (strcmp(of, "buffers") == 0 && !uri &&
-        !mcv_buffer_is_chunk(loader->root, object, loader->binary))
-        json_object_set_new(copy, "byteLength", json_integer(1)); /* see read_external */
-    if (!uri || strncmp(uri, "data:", 5) != 0) {
-        json_object_set_new(copy, "uri", json_sprintf("%s/%zu", of, index));
-        return copy;
-    }
-    json_object_set(copy, "uri", json_object_get(object, "uri"));
-    if (strcmp(of, "buffers") == 0 &&
-        mcv_data_uri_length(uri, types, &length, &place, &ignored) == MCV_OK)
-        json_object_set_new(copy, "byteLength", json_integer((json_int_t)length));
-    return copy;
-}
-
-/* The part of the document that tinygltf sees. */
-static json_t *describe_document(const mcv_loader *loader, uint32_t image_count) {
-    const json_t *buffers = json_object_get(loader->root, "buffers"),
-                 *images = json_object_get(loader->root, "images");
-    json_t *data = json_array(), *pictures = json_array(), *document = json_object();
-    for (size_t i = 0; i < json_array_size(buffers); ++i)
-        json_array_append_new(data,
-                              describe_data(loader, json_array_get(buffers, i), "buffers", i));
-    for (uint32_t slot = 0; slot < image_count; ++slot)
-        for (size_t i = 0; i < json_array_size(images); ++i)
-            if (loader->images[i] == slot)
-                json_array_append_new(
-                    pictures, describe_data(loader, json_array_get(images, i), "images", i));
-    json_object_set_new(document, "buffers", data);
-    json_object_set_new(document, "images", pictures);
-    if (json_object_get(loader->root, "bufferViews"))
-        json_object_set(document, "bufferViews", json_object_get(loader->root, "bufferViews"));
-    return document;
 }
 
 static mcv_result open_data(mcv_loader *loader, mcv_error *error) {
@@ -131,16 +39,10 @@ static mcv_result open_data(mcv_loader *loader, mcv_error *error) {
     MCV_TRY(mcv_load_needed_images(loader, &image_count, error));
     MCV_TRY(mcv_load_needed_emitter_images(loader, &image_count, error));
     if (loader->is_cached) return MCV_OK;
-    json_t *document = describe_document(loader, image_count);
-    char *text = json_dumps(document, JSON_COMPACT);
-    json_decref(document);
-    if (!text) return mcv_fail_memory(&loader->file, error);
-    const mcv_result result = mcv_gltf_open(text, strlen(text), read_external, loader,
-                                            &loader->gltf, &loader->file, error);
-    free(text);
+    MCV_TRY(mcv_load_data(loader, image_count, error));
     free(loader->bytes.data);
     loader->bytes = loader->binary = (mcv_bytes){NULL, 0};
-    return result;
+    return MCV_OK;
 }
 
 /*
@@ -162,7 +64,11 @@ mcv_result mcv_load_json(mcv_loader *loader, mcv_error *error) {
     json_error_t wrong;
     MCV_TRY(mcv_glb_split(loader->bytes, &json, &loader->binary, &loader->file, error));
     replace_nul(&json);
+    MCV_TRY(mcv_memory_take(loader->memory, &loader->memory->files,
+                            mcv_memory_of_json((const char *)json.data, json.size), &loader->file,
+                            error));
     loader->root = json_loadb((const char *)json.data, json.size, JSON_REJECT_DUPLICATES, &wrong);
+    if (!loader->root && !wrong.text[0]) return mcv_fail_memory(&loader->file, error);
     if (!loader->root)
         return mcv_fail_at(&loader->file, error, "line %d column %d is not JSON: %s", wrong.line,
                            wrong.column, mcv_json_wrong(&wrong));
@@ -190,12 +96,15 @@ mcv_result mcv_load_open(mcv_loader *loader, mcv_overrides overrides, mcv_error 
     loader->images = malloc((images + 1) * sizeof *loader->images);
     loader->textures = malloc((textures + 1) * sizeof *loader->textures);
     loader->data_textures = malloc((textures + 1) * sizeof *loader->data_textures);
+    loader->pixels = malloc((images + 1) * sizeof *loader->pixels);
+    loader->data_pixels = malloc((images + 1) * sizeof *loader->data_pixels);
     loader->materials = malloc((materials + 1) * sizeof *loader->materials);
     loader->emission = calloc(materials + 1, sizeof *loader->emission);
     loader->meshes = calloc(meshes + 1, sizeof *loader->meshes);
     if (!loader->images || !loader->textures || !loader->data_textures || !loader->materials ||
-        !loader->emission || !loader->meshes)
+        !loader->emission || !loader->meshes || !loader->pixels || !loader->data_pixels)
         return mcv_fail_memory(&loader->file, error);
+    for (size_t i = 0; i < images; ++i) loader->pixels[i] = loader->data_pixels[i] = MCV_NONE;
     for (size_t i = 0; i < textures; ++i) loader->textures[i] = loader->data_textures[i] = MCV_NONE;
     for (size_t i = 0; i < materials; ++i) loader->materials[i] = MCV_NONE;
     if (loader->is_asset) MCV_TRY(mcv_load_replaced(loader, error));
@@ -225,6 +134,8 @@ void mcv_load_finish(mcv_loader *loader) {
     free(loader->emission);
     free(loader->textures);
     free(loader->data_textures);
+    free(loader->pixels);
+    free(loader->data_pixels);
     free(loader->images);
     free(loader->sensors);
     free(loader->emitters);
@@ -233,7 +144,7 @@ void mcv_load_finish(mcv_loader *loader) {
     free(loader->presets);
     free(loader->sensor_uses);
     free(loader->emitter_uses);
-    if (!loader->is_cached) mcv_gltf_close(loader->gltf);
+    if (!loader->is_cached) mcv_gltf_free(loader->gltf);
     mcv_stamps_free(loader->stamps, loader->stamp_count);
     json_decref(loader->root);
     free(loader->bytes.data);

@@ -296,11 +296,15 @@ mcv_result mcv_load_sensors(mcv_loader *loader, const json_t *node, const mcv_tr
                             const mcv_json_path *place, mcv_error *error) {
     uint32_t index, camera_index;
     const json_t *cameras = json_object_get(loader->root, "cameras");
+    mcv_sensor_motion motion;
     if (loader->is_asset) return MCV_OK;
     MCV_TRY(mcv_load_reference(node, "MCVISI_sensors", "sensor", loader->sensor_count, "sensors",
                                &index, place, error));
+    MCV_TRY(mcv_load_motion(node, index != MCV_NONE || json_object_get(node, "camera"), &motion,
+                            place, error));
     if (index != MCV_NONE) {
         mcv_sensor sensor = loader->sensors[index];
+        sensor.motion = motion;
         ++loader->sensor_uses[index];
         return add_sensor(loader, &sensor, first_name(sensor.name, mcv_json_name(node), "sensor"),
                           to_world, place, error);
@@ -310,7 +314,7 @@ mcv_result mcv_load_sensors(mcv_loader *loader, const json_t *node, const mcv_tr
     if (camera_index == MCV_NONE) return MCV_OK;
     const json_t *camera = json_array_get(cameras, camera_index),
                  *lens = json_object_get(camera, "perspective");
-    mcv_sensor sensor = {0};
+    mcv_sensor sensor = {.motion = motion};
     if (lens)
         perspective_sensor(lens, &sensor);
     else

@@ -3,11 +3,13 @@
 #include "loader/loader.h"
 
 #include "io/exr.h"
+#include "loader/memory.h"
 #include "scene/emitters.h"
 #include "scene/params.h"
 #include "scene/pattern.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 enum { NEAREST = 9728, CLAMP_TO_EDGE = 33071 };
 
@@ -66,6 +68,57 @@ static bool shows_image(mcv_emitter *emitter) {
     return image && *image != MCV_NONE && !shows_pattern(emitter);
 }
 
+/* The picture that emitters[index] shows, as an earlier emitter's texture; MCV_NONE if it is the
+ * first. */
+static mcv_result find_earlier(mcv_loader *loader, const json_t *emitters, size_t index,
+                               uint32_t source, const char *uri, uint32_t *texture,
+                               const mcv_json_path *place, mcv_error *error) {
+    *texture = MCV_NONE;
+    for (size_t i = 0; i < index; ++i) {
+        uint32_t other;
+        const char *other_uri;
+        if (!shows_image(loader->emitters + i)) continue;
+        MCV_TRY(find_image(loader, json_array_get(emitters, i), &other, &other_uri, place, error));
+        const bool same = uri ? other_uri && mcv_file_is_same(loader->file.key, uri, other_uri)
+                              : !other_uri && loader->images[source] == loader->images[other];
+        if (!same) continue;
+        *texture = *mcv_emitter_image(loader->emitters + i);
+        return MCV_OK;
+    }
+    return MCV_OK;
+}
+
+/* Counts the pixels of an OpenEXR file that no emitter before has: all its parts, and twice the
+ * texture. */
+static mcv_result count_exr(mcv_loader *loader, size_t index, const char *uri,
+                            const mcv_json_path *place, mcv_error *error) {
+    const json_t *array =
+        json_object_get(mcv_json_extension(loader->root, "MCVISI_emitters"), "emitters");
+    const mcv_json_path here = mcv_json_path_key(place, "image");
+    uint32_t earlier;
+    uint64_t file, values, pixels;
+    char *path;
+    mcv_error cause = {""};
+    mcv_memory *memory = loader->memory;
+    MCV_TRY(find_earlier(loader, array, index, MCV_NONE, uri, &earlier, place, error));
+    if (earlier != MCV_NONE) return MCV_OK;
+    MCV_TRY(mcv_file_resolve(loader->file.key, uri, &path, &here, error));
+    mcv_result result = mcv_file_size(path, &file, &here, &cause);
+    if (result != MCV_OK) {
+        /* The file is named as the scene names it. */
+        const char *named = strstr(cause.text, path);
+        result = mcv_fail_at(&here, error, "\"%s%s", uri, named ? named + strlen(path) : "\"");
+    }
+    if (result == MCV_OK) result = mcv_memory_take(memory, &memory->files, file, &here, error);
+    if (result == MCV_OK && mcv_exr_size(path, &values, &pixels, &cause) != MCV_OK)
+        result =
+            mcv_fail_at(&here, error, "\"%s\" cannot be read as an image: %s", uri, cause.text);
+    free(path);
+    MCV_TRY(result);
+    return mcv_memory_take(memory, &memory->images, sizeof(float) * (values + 6 * pixels), &here,
+                           error);
+}
+
 mcv_result mcv_load_needed_emitter_images(mcv_loader *loader, uint32_t *count, mcv_error *error) {
     const mcv_json_path place = mcv_json_path_key(&loader->file, "emitters");
     json_t *emitters;
@@ -76,7 +129,8 @@ mcv_result mcv_load_needed_emitter_images(mcv_loader *loader, uint32_t *count, m
         const char *uri;
         if (!shows_image(loader->emitters + i)) continue;
         MCV_TRY(find_image(loader, json_array_get(emitters, i), &source, &uri, &here, error));
-        if (source != MCV_NONE) MCV_TRY(mcv_load_need_image(loader, source, count, error));
+        if (source != MCV_NONE) mcv_load_need_image(loader, source, count);
+        if (uri) MCV_TRY(count_exr(loader, i, uri, &here, error));
     }
     return MCV_OK;
 }
@@ -108,7 +162,7 @@ static mcv_result load_exr(mcv_loader *loader, const char *uri, mcv_texture *tex
                            const mcv_json_path *place, mcv_error *error) {
     char *path;
     mcv_exr exr;
-    mcv_error cause;
+    mcv_error cause = {""};
     MCV_TRY(mcv_file_resolve(loader->file.key, uri, &path, place, error));
     mcv_result result = mcv_exr_read(path, &exr, &cause);
     free(path);
@@ -122,24 +176,35 @@ static mcv_result load_exr(mcv_loader *loader, const char *uri, mcv_texture *tex
     return result;
 }
 
+static void show_picture(const mcv_gltf_picture *picture, mcv_texture *texture) {
+    texture->width = picture->width;
+    texture->height = picture->height;
+    texture->rgba = picture->rgba;
+}
+
 /* Makes the picture that the emitter shows a texture of the scene. */
-static mcv_result load_picture(mcv_loader *loader, const json_t *object, mcv_emitter *emitter,
+static mcv_result load_picture(mcv_loader *loader, const json_t *emitters, size_t index,
                                const mcv_json_path *place, mcv_error *error) {
+    mcv_emitter *emitter = loader->emitters + index;
     mcv_texture texture = {.wrap_s = CLAMP_TO_EDGE, .wrap_t = CLAMP_TO_EDGE, .nearest = true};
     const mcv_json_path here = mcv_json_path_key(place, "image");
-    uint32_t source;
+    uint32_t source, earlier;
     const char *uri;
     mcv_result result = MCV_OK;
     if (shows_pattern(emitter)) {
         MCV_TRY(mcv_pattern_image(mcv_emitter_pattern(emitter), *mcv_emitter_index(emitter),
                                   &texture, place, error));
     } else {
-        MCV_TRY(find_image(loader, object, &source, &uri, place, error));
+        MCV_TRY(find_image(loader, json_array_get(emitters, index), &source, &uri, place, error));
+        MCV_TRY(find_earlier(loader, emitters, index, source, uri, &earlier, place, error));
+        if (earlier != MCV_NONE) {
+            *mcv_emitter_image(emitter) = earlier;
+            return MCV_OK;
+        }
         if (uri)
             result = load_exr(loader, uri, &texture, &here, error);
         else
-            texture.rgba = (uint8_t *)mcv_gltf_image(loader->gltf, loader->images[source],
-                                                     &texture.width, &texture.height);
+            show_picture(&loader->gltf->pictures[loader->images[source]], &texture);
         texture.name = (char *)(uri ? uri
                                     : mcv_json_name(json_array_get(
                                           json_object_get(loader->root, "images"), source)));
@@ -158,8 +223,7 @@ mcv_result mcv_load_emitter_images(mcv_loader *loader, mcv_error *error) {
     for (size_t i = 0; i < loader->emitter_count; ++i) {
         const mcv_json_path here = mcv_json_path_element(&place, loader->emitters[i].name, i);
         if (shows_image(loader->emitters + i) || shows_pattern(loader->emitters + i))
-            MCV_TRY(load_picture(loader, json_array_get(emitters, i), loader->emitters + i, &here,
-                                 error));
+            MCV_TRY(load_picture(loader, emitters, i, &here, error));
     }
     return MCV_OK;
 }

@@ -36,7 +36,7 @@ mcv_result mcv_load_needed_images(mcv_loader *loader, uint32_t *count, mcv_error
             MCV_TRY(mcv_load_texture_source(loader, textures[k].part, textures[k].key, &texture,
                                             &source, textures[k].place, error));
             if (textures[k].needed && source != MCV_NONE)
-                MCV_TRY(mcv_load_need_image(loader, source, count, error));
+                mcv_load_need_image(loader, source, count);
         }
     }
     return MCV_OK;

@@ -2,11 +2,20 @@
 /* Nodes: places each with its meshes, emitters, sensors and assets, then its children. */
 #include "loader/loader.h"
 
+#include "loader/memory.h"
 #include "scene/transform.h"
+
+static mcv_result place_mesh(mcv_loader *loader, const mcv_instance *instance,
+                             const mcv_json_path *place, mcv_error *error) {
+    const uint64_t triangles = loader->scene->meshes[instance->mesh].triangle_count;
+    MCV_TRY(mcv_memory_take(loader->memory, &loader->memory->geometry,
+                            MCV_TRIANGLE_BYTES * triangles, place, error));
+    return mcv_scene_add_instance(loader->scene, instance, error);
+}
 
 /* Places the document of an asset below its node. */
 static mcv_result place_asset(mcv_loader *asset, const char *name, const mcv_transform *to_world,
-                              mcv_error *error) {
+                              const mcv_json_path *place, mcv_error *error) {
     mcv_transform scaled = *to_world;
     for (int i = 0; i < 9; ++i) scaled.m[i] *= asset->unit;
     if (asset->solid != MCV_NONE) {
@@ -15,7 +24,7 @@ static mcv_result place_asset(mcv_loader *asset, const char *name, const mcv_tra
                                        .material = asset->asset_material,
                                        .emitter = MCV_NONE,
                                        .to_world = scaled};
-        return mcv_scene_add_instance(asset->scene, &instance, error);
+        return place_mesh(asset, &instance, place, error);
     }
     return mcv_load_nodes(asset, &scaled, error);
 }
@@ -32,9 +41,13 @@ static mcv_result load_node(mcv_loader *loader, uint32_t index, const mcv_transf
     bool posed;
     MCV_TRY(mcv_load_pose(loader, node, 0, &posed, &local, &here, error));
     if (!posed) MCV_TRY(mcv_load_local(node, &local, &here, error));
+    MCV_TRY(mcv_load_misalignment(node, &local, &here, error));
     const mcv_transform to_world = mcv_transform_compose(posed ? document : parent, &local);
+    const uint32_t frame = loader->scene->frame_count;
+    MCV_TRY(mcv_scene_check_extent(&to_world, (const double[]){1, 1, 1}, &here, error));
     MCV_TRY(mcv_scene_add_frame(loader->scene, mcv_json_name(node), loader->is_asset, &to_world,
                                 error));
+    const bool named = loader->scene->frame_count > frame;
     const uint32_t first = loader->scene->instance_count;
     uint32_t mesh;
     if (loader->node_materials && loader->node_materials[index] != MCV_NONE)
@@ -50,7 +63,7 @@ static mcv_result load_node(mcv_loader *loader, uint32_t index, const mcv_transf
                                            .material = material == MCV_NONE ? loaded->materials[i]
                                                                             : material,
                                            .to_world = to_world};
-            MCV_TRY(mcv_scene_add_instance(loader->scene, &instance, error));
+            MCV_TRY(place_mesh(loader, &instance, &here, error));
         }
     }
     MCV_TRY(mcv_load_emitter(loader, node, &to_world, first, loader->scene->instance_count, &here,
@@ -60,11 +73,14 @@ static mcv_result load_node(mcv_loader *loader, uint32_t index, const mcv_transf
     MCV_TRY(mcv_load_sensors(loader, node, &to_world, &here, error));
     mcv_loader *asset;
     MCV_TRY(mcv_load_asset_of(loader, node, &asset, &here, error));
-    if (asset) MCV_TRY(place_asset(asset, mcv_json_name(node), &to_world, error));
+    if (asset) MCV_TRY(place_asset(asset, mcv_json_name(node), &to_world, &here, error));
     const json_t *children = json_object_get(node, "children");
     for (size_t i = 0; i < json_array_size(children); ++i)
         MCV_TRY(load_node(loader, (uint32_t)json_number_value(json_array_get(children, i)),
                           document, &to_world, material, error));
+    if (!named) return MCV_OK;
+    loader->scene->frames[frame].instances[0] = first;
+    loader->scene->frames[frame].instances[1] = loader->scene->instance_count;
     return MCV_OK;
 }
 

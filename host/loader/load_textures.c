@@ -2,6 +2,7 @@
 /* Textures of materials: the images that they need, and the transform of an image on a mesh. */
 #include "loader/loader.h"
 
+#include "loader/memory.h"
 #include "loader/validate.h"
 #include "scene/mesh.h"
 
@@ -25,33 +26,11 @@ mcv_result mcv_load_texture_source(const mcv_loader *loader, const json_t *part,
                           &here, error);
 }
 
-/* tinygltf decodes an image from its bufferView unchecked, so the buffer must have data. */
-static mcv_result check_image_data(const mcv_loader *loader, uint32_t source, mcv_error *error) {
-    const json_t *image = json_array_get(json_object_get(loader->root, "images"), source);
-    const json_t *view_index = json_object_get(image, "bufferView");
-    if (!view_index) return MCV_OK;
-    const json_t *view = json_array_get(json_object_get(loader->root, "bufferViews"),
-                                        (size_t)json_number_value(view_index));
-    const size_t index = (size_t)json_number_value(json_object_get(view, "buffer"));
-    const json_t *buffer = json_array_get(json_object_get(loader->root, "buffers"), index);
-    if (json_object_get(buffer, "uri") || mcv_buffer_is_chunk(loader->root, buffer, loader->binary))
-        return MCV_OK;
-    const mcv_json_path images = mcv_json_path_key(&loader->file, "images"),
-                        here = mcv_place_index(&images, source);
-    return mcv_fail_at(&here, error, "buffer %zu has no data: give it a uri", index);
-}
-
-mcv_result mcv_load_need_image(mcv_loader *loader, uint32_t source, uint32_t *count,
-                               mcv_error *error) {
-    if (loader->images[source] != MCV_NONE) return MCV_OK;
-    MCV_TRY(check_image_data(loader, source, error));
-    loader->images[source] = (*count)++;
-    return MCV_OK;
-}
-
 /* Bytes that are not colours, divided by 255. */
-static mcv_result decode_data(mcv_texture *texture, const mcv_json_path *place, mcv_error *error) {
+static mcv_result decode_data(mcv_memory *memory, mcv_texture *texture, const mcv_json_path *place,
+                              mcv_error *error) {
     const size_t pixels = (size_t)texture->width * texture->height;
+    MCV_TRY(mcv_memory_take(memory, &memory->images, 3 * sizeof(float) * pixels, place, error));
     texture->linear = malloc(3 * sizeof(float) * pixels);
     if (!texture->linear) return mcv_fail_memory(place, error);
     for (size_t i = 0; i < pixels; ++i)
@@ -97,7 +76,8 @@ static mcv_result place_texture(mcv_scene *scene, uint32_t like, const mcv_textu
     for (uint32_t i = like; i < scene->texture_count; ++i) {
         const mcv_texture *t = &scene->textures[i];
         *number = i;
-        if (t->rgba == own.rgba && t->linear == own.linear &&
+        if (t->rgba == own.rgba && t->linear == own.linear && t->wrap_s == own.wrap_s &&
+            t->wrap_t == own.wrap_t && t->nearest == own.nearest &&
             t->texcoord_set == placed->texcoord_set &&
             t->is_transformed == placed->is_transformed &&
             memcmp(t->transform, placed->transform, sizeof t->transform) == 0)
@@ -111,6 +91,37 @@ static mcv_result place_texture(mcv_scene *scene, uint32_t like, const mcv_textu
     if (!own.name) return mcv_fail_memory(place, error);
     *number = scene->texture_count;
     return mcv_scene_take_texture(scene, &own, error);
+}
+
+/* Adds a texture with the picture of images[source]; pixels that an earlier texture has are shared
+ * with it. */
+static mcv_result add_picture(mcv_loader *loader, uint32_t source, mcv_texture *texture,
+                              bool is_data, const mcv_json_path *place, mcv_error *error) {
+    const uint32_t number = loader->images[source];
+    uint32_t *const first = (is_data ? loader->data_pixels : loader->pixels) + number;
+    const mcv_gltf_picture *picture = &loader->gltf->pictures[number];
+    mcv_scene *scene = loader->scene;
+    if (*first != MCV_NONE) {
+        mcv_texture own = scene->textures[*first];
+        own.wrap_s = texture->wrap_s;
+        own.wrap_t = texture->wrap_t;
+        own.nearest = texture->nearest;
+        own.is_transformed = false;
+        own.texcoord_set = 0;
+        memset(own.transform, 0, sizeof own.transform);
+        own.shares_pixels = true;
+        own.name = strdup(texture->name);
+        return own.name ? mcv_scene_take_texture(scene, &own, error)
+                        : mcv_fail_memory(place, error);
+    }
+    texture->width = picture->width;
+    texture->height = picture->height;
+    texture->rgba = picture->rgba;
+    if (is_data) MCV_TRY(decode_data(loader->memory, texture, place, error));
+    const mcv_result result = mcv_scene_add_texture(scene, texture, error);
+    free(texture->linear);
+    *first = scene->texture_count - 1;
+    return result;
 }
 
 mcv_result mcv_load_texture(mcv_loader *loader, const json_t *part, const char *key, bool is_data,
@@ -143,13 +154,8 @@ mcv_result mcv_load_texture(mcv_loader *loader, const json_t *part, const char *
         MCV_TRY(mcv_json_uint(sampler, "magFilter", 0, UINT32_MAX, &filter, place, error));
         mcv_texture own = {
             .wrap_s = (uint32_t)wrap_s, .wrap_t = (uint32_t)wrap_t, .nearest = filter == 9728};
-        own.rgba = (uint8_t *)mcv_gltf_image(loader->gltf, loader->images[source], &own.width,
-                                             &own.height);
         own.name = (char *)mcv_json_name(texture);
-        if (is_data) MCV_TRY(decode_data(&own, place, error));
-        const mcv_result result = mcv_scene_add_texture(loader->scene, &own, error);
-        free(own.linear);
-        MCV_TRY(result);
+        MCV_TRY(add_picture(loader, source, &own, is_data, place, error));
         loaded[index] = loader->scene->texture_count - 1;
     }
     return place_texture(loader->scene, loaded[index], &placed, scene_texture, place, error);

@@ -52,6 +52,7 @@ typedef struct mcv_cached_asset {
 
 typedef struct mcv_loader {
     mcv_scene *scene;
+    mcv_memory *memory; /* the scene's, or that of a document without scene */
     mcv_json_path file;
     bool is_asset; /* placed by another document: its cameras, sensors and non-emissive emitters are
                       ignored */
@@ -69,12 +70,13 @@ typedef struct mcv_loader {
     bool is_cached;         /* root and gltf are those of a cached asset */
     mcv_stamp *stamps;      /* of the files that were read, for an asset that will be cached */
     size_t stamp_count;
-    uint64_t fingerprint;     /* of this document's files and its assets */
-    uint32_t *images;         /* index in gltf of images[i], or MCV_NONE if no material needs it */
-    uint32_t *textures;       /* the scene's index of textures[i], or MCV_NONE while no material has
-                                 needed it */
-    uint32_t *data_textures;  /* the same for textures that are not colours */
-    uint32_t *materials;      /* the scene's index of materials[i], or of its replacement */
+    uint64_t fingerprint;    /* of this document's files and its assets */
+    uint32_t *images;        /* the picture in gltf of images[i]; MCV_NONE: nothing needs it */
+    uint32_t *textures;      /* the scene's index of textures[i], or MCV_NONE while no material has
+                                needed it */
+    uint32_t *data_textures; /* the same for textures that are not colours */
+    uint32_t *pixels, *data_pixels; /* the scene's first texture with picture i; or MCV_NONE */
+    uint32_t *materials;            /* the scene's index of materials[i], or of its replacement */
     uint32_t *node_materials; /* of an asset: the scene's material of nodes[i] and the nodes below,
                                  or MCV_NONE */
     mcv_emission *emission;   /* of materials[i] */
@@ -121,10 +123,10 @@ mcv_result mcv_load_reference(const json_t *node, const char *extension, const c
                               size_t count, const char *of, uint32_t *index,
                               const mcv_json_path *place, mcv_error *error);
 
-/* load_textures.c: the tinygltf slot of images[source], which is read from now on; *count slots are
- * taken. */
-mcv_result mcv_load_need_image(mcv_loader *loader, uint32_t source, uint32_t *count,
-                               mcv_error *error);
+/* load_data.c: gives images[source] a picture in gltf, one for each file; there are *count. Then
+ * reads what is needed of buffers, and all these pictures. */
+void mcv_load_need_image(mcv_loader *loader, uint32_t source, uint32_t *count);
+mcv_result mcv_load_data(mcv_loader *loader, uint32_t picture_count, mcv_error *error);
 
 /* load_textures.c: the member `key` of a material (or its part) as numbers of a texture and its
  * image; MCV_NONE where absent. */
@@ -172,6 +174,10 @@ mcv_result mcv_load_preset(mcv_loader *loader, const mcv_preset *preset, const c
                            const mcv_transform *to_world, const mcv_json_path *place,
                            mcv_error *error);
 
+/* load_motion.c: MCVISI_motion of a node; all 0 without. Refused where the node has no sensor. */
+mcv_result mcv_load_motion(const json_t *node, bool has_sensor, mcv_sensor_motion *motion,
+                           const mcv_json_path *place, mcv_error *error);
+
 /* load_elements.c: definitions, and what a node places. Instances first … last - 1 are those of the
  * node's mesh. */
 mcv_result mcv_load_definitions(mcv_loader *loader, mcv_error *error);
@@ -192,6 +198,9 @@ mcv_result mcv_load_body(mcv_loader *loader, const json_t *node, const mcv_trans
                          const mcv_json_path *place, mcv_error *error);
 void mcv_load_free_bodies(mcv_loader *loader);
 
+/* load_defects.c: the defects of MCVISI_defects, when all nodes are placed. */
+mcv_result mcv_load_defects(mcv_loader *loader, mcv_error *error);
+
 /*
  * load_pose.c: a node's transform below its parent; by its MCVISI_pose, if it has one, in the
  * document's frame; or, by way of all parents, in the document's frame. depth counts targets and
@@ -203,6 +212,11 @@ mcv_result mcv_load_pose(const mcv_loader *loader, const json_t *node, int depth
                          mcv_transform *transform, const mcv_json_path *place, mcv_error *error);
 mcv_result mcv_load_transform(const mcv_loader *loader, uint32_t index, int depth,
                               mcv_transform *transform, mcv_error *error);
+
+/* load_misalignment.c: changes a node's transform, in the frame that it is in, by its
+ * MCVISI_misalignment, if it has one. Targets of poses do not follow. */
+mcv_result mcv_load_misalignment(const json_t *node, mcv_transform *local,
+                                 const mcv_json_path *place, mcv_error *error);
 
 /* load_document.c: reads a file and counts it in the fingerprint; counts what else is part of it.
  */

@@ -67,7 +67,8 @@ json_t *mcv_overrides_paths(const json_t *root) {
                        {"nodes", NULL},
                        {"cameras", NULL},
                        {"lights", "KHR_lights_punctual"},
-                       {"surfaces", "MCVISI_surfaces"}};
+                       {"surfaces", "MCVISI_surfaces"},
+                       {"defects", "MCVISI_defects"}};
     json_t *list = json_array();
     for (size_t i = 0; list && i < sizeof collections / sizeof collections[0]; ++i) {
         const json_t *in =

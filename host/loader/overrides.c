@@ -26,6 +26,12 @@ static const struct {
     {"nodes", "extensions/MCVISI_pose", "azimuth", NULL},
     {"nodes", "extensions/MCVISI_pose", "elevation", NULL},
     {"nodes", "extensions/MCVISI_pose", "roll", NULL},
+    {"nodes", "extensions/MCVISI_misalignment", "shiftX", "0"},
+    {"nodes", "extensions/MCVISI_misalignment", "shiftY", "0"},
+    {"nodes", "extensions/MCVISI_misalignment", "shiftZ", "0"},
+    {"nodes", "extensions/MCVISI_misalignment", "turnX", "0"},
+    {"nodes", "extensions/MCVISI_misalignment", "turnY", "0"},
+    {"nodes", "extensions/MCVISI_misalignment", "turnZ", "0"},
     {"materials", "pbrMetallicRoughness", "baseColorFactor", "[1,1,1,1]"},
     {"materials", "pbrMetallicRoughness", "metallicFactor", NULL},
     {"materials", "pbrMetallicRoughness", "roughnessFactor", NULL},
@@ -213,8 +219,9 @@ static mcv_result set_member(setting *set, json_t *element, char *rest) {
         if (!parent) return fail(set, "%s is no object", members[i].parent);
         if (!json_object_get(parent, members[i].key))
             json_object_set_new(parent, members[i].key,
-                                members[i].absent ? json_loads(members[i].absent, 0, NULL)
-                                                  : json_null());
+                                members[i].absent
+                                    ? json_loads(members[i].absent, JSON_DECODE_ANY, NULL)
+                                    : json_null());
         return set_below(set, parent, member);
     }
     for (size_t i = 0; i < 2 && set->value && strcmp(set->collection, "assets") == 0;
@@ -279,10 +286,18 @@ static mcv_result find_element(const setting *set, const json_t *array, char **r
                 list, known ? ", or " : "", json_array_size(array) - 1);
 }
 
+/* Is it the array of the extension MCVISI_COLLECTION? */
+static bool is_own(const char *collection) {
+    static const char *const own[] = {"sensors", "emitters", "assets", "surfaces", "defects"};
+    for (size_t i = 0; i < sizeof own / sizeof own[0]; ++i)
+        if (strcmp(collection, own[i]) == 0) return true;
+    return false;
+}
+
 static mcv_result follow(setting *set, json_t *root) {
-    static const char *const collections[] = {"sensors", "emitters", "assets",  "materials",
-                                              "nodes",   "cameras",  "meshes",  "textures",
-                                              "images",  "lights",   "surfaces"};
+    static const char *const collections[] = {"sensors", "emitters", "assets",   "materials",
+                                              "nodes",   "cameras",  "meshes",   "textures",
+                                              "images",  "lights",   "surfaces", "defects"};
     char *rest = set->path;
     set->collection = cut(&rest);
     char extension[64];
@@ -296,9 +311,7 @@ static mcv_result follow(setting *set, json_t *root) {
     const bool lights = strcmp(set->collection, "lights") == 0;
     snprintf(extension, sizeof extension, "MCVISI_%.32s", set->collection);
     if (lights) strcpy(extension, "KHR_lights_punctual");
-    set->own = strcmp(set->collection, "sensors") == 0 ||
-               strcmp(set->collection, "emitters") == 0 || strcmp(set->collection, "assets") == 0 ||
-               strcmp(set->collection, "surfaces") == 0;
+    set->own = is_own(set->collection);
     json_t *array = json_object_get(set->own || lights ? mcv_json_extension(root, extension) : root,
                                     set->collection);
     if (!json_is_array(array) || json_array_size(array) == 0) {

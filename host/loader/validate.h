@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * What glTF 2.0 demands of a document, as far as this program reads it: everything that reading
- * relies on afterwards (indices, bounds, one parent per node, no loops). Runs before tinygltf sees
- * the document.
+ * relies on afterwards (indices, bounds, one parent per node, no loops).
  */
 #ifndef MCVISI_HOST_LOADER_VALIDATE_H
 #define MCVISI_HOST_LOADER_VALIDATE_H
@@ -34,10 +33,5 @@ int mcv_texcoord_set(const json_t *info);
 
 /* Is this buffer the binary chunk of the GLB? */
 bool mcv_buffer_is_chunk(const json_t *root, const json_t *buffer, mcv_bytes binary);
-
-/* The length of the data in a base64 data: URI of one of these types (ended by NULL); an error
- * where it is none. */
-mcv_result mcv_data_uri_length(const char *uri, const char *const *types, uint64_t *length,
-                               const mcv_json_path *place, mcv_error *error);
 
 #endif

@@ -1,30 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "loader/validate.h"
 
+#include "loader/data_uri.h"
+
 #include "mcvisi/dialect.h"
 
-#include <ctype.h>
 #include <stdlib.h>
-
-mcv_result mcv_data_uri_length(const char *uri, const char *const *types, uint64_t *length,
-                               const mcv_json_path *place, mcv_error *error) {
-    char header[64];
-    *length = 0;
-    for (int i = 0; types[i]; ++i) {
-        const size_t n = (size_t)snprintf(header, sizeof header, "data:%s;base64,", types[i]);
-        if (strncmp(uri, header, n) != 0) continue;
-        const char *data = uri + n;
-        size_t digits = 0;
-        while (isalnum((unsigned char)data[digits]) || data[digits] == '+' || data[digits] == '/')
-            ++digits;
-        const size_t padding = strspn(data + digits, "=");
-        if (data[digits + padding] || padding > 2 || (digits + padding) % 4 != 0 || digits == 0)
-            return mcv_fail_at(place, error, "has broken base64 at character %zu", n + digits);
-        *length = digits / 4 * 3 + (digits % 4 ? digits % 4 - 1 : 0);
-        return MCV_OK;
-    }
-    return mcv_fail_at(place, error, "\"%.40s...\" must begin with data:%s;base64,", uri, types[0]);
-}
 
 /* A relative URI is checked without being opened. */
 static mcv_result check_uri(const char *uri, const mcv_json_path *place, mcv_error *error) {
@@ -43,8 +24,6 @@ bool mcv_buffer_is_chunk(const json_t *root, const json_t *buffer, mcv_bytes bin
 
 static mcv_result check_buffer(const json_t *root, const json_t *buffer, mcv_bytes binary,
                                const mcv_json_path *place, mcv_error *error) {
-    static const char *const types[] = {"application/octet-stream", "application/gltf-buffer",
-                                        "text/plain", NULL};
     uint64_t length = 0, available = 0;
     const char *uri = NULL;
     const mcv_json_path here = mcv_json_path_key(place, "uri");
@@ -53,7 +32,7 @@ static mcv_result check_buffer(const json_t *root, const json_t *buffer, mcv_byt
     if (length == 0) return mcv_fail_at(place, error, "must have a byteLength");
     if (uri && strncmp(uri, "data:", 5) != 0) return check_uri(uri, &here, error);
     if (uri)
-        MCV_TRY(mcv_data_uri_length(uri, types, &available, &here, error));
+        MCV_TRY(mcv_data_uri_length(uri, mcv_buffer_types, &available, &here, error));
     else if (mcv_buffer_is_chunk(root, buffer, binary))
         available = binary.size;
     else /* declared without data, which matters to what reads it */

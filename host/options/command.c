@@ -72,6 +72,10 @@ mcv_result mcv_command_parse(int argc, char **argv, mcv_command *command, mcv_er
             MCV_TRY(mcv_option_set(mcv_options + i, mcv_options[i].preset, command, error));
 
     const mcv_verb *v = mcv_verbs + command->verb;
+    const bool takes_many = strstr(v->argument, "…");
+    command->arguments.items = malloc((size_t)argc * sizeof *command->arguments.items);
+    if (!command->arguments.items)
+        return mcv_fail(error, MCV_FAILED, "no memory for the command line");
     const bool takes_two = strchr(v->argument, ' ');
     bool only_arguments = false;
     for (int i = 2; i < argc; ++i) {
@@ -85,8 +89,9 @@ mcv_result mcv_command_parse(int argc, char **argv, mcv_command *command, mcv_er
         } else if (v->argument[0] == '\0') {
             return mcv_fail(error, MCV_USAGE, "%s takes no argument: leave out %s", v->name,
                             argv[i]);
-        } else if (!command->argument) {
-            command->argument = argv[i];
+        } else if (!command->argument || takes_many) {
+            if (!command->argument) command->argument = argv[i];
+            command->arguments.items[command->arguments.count++] = argv[i];
         } else if (takes_two && !command->second) {
             command->second = argv[i];
         } else {
@@ -102,6 +107,8 @@ mcv_result mcv_command_parse(int argc, char **argv, mcv_command *command, mcv_er
 }
 
 void mcv_command_free(mcv_command *command) {
+    free(command->arguments.items);
+    command->arguments = (mcv_list){NULL, 0};
     for (size_t i = 0; i < MCV_OPTION_COUNT; ++i) {
         mcv_list *list = (mcv_list *)((char *)command + mcv_options[i].offset);
         if (mcv_options[i].kind != MCV_KIND_list) continue;
@@ -112,21 +119,24 @@ void mcv_command_free(mcv_command *command) {
 
 /* --- precision --- */
 
-static bool is_reference(const char *device) { return device && strcmp(device, "reference") == 0; }
+/* By --device, or by the variable in its place (cl/cl.h). */
+static bool is_reference(const mcv_command *command) {
+    const char *device = command->device ? command->device : getenv("MCVISI_OPENCL_DEVICE");
+    return device && strcmp(device, "reference") == 0;
+}
 
 bool mcv_wants_reference(const mcv_command *command) {
-    return is_reference(command->device) || command->precision == MCV_PRECISION_DOUBLE;
+    return is_reference(command) || command->precision == MCV_PRECISION_DOUBLE;
 }
 
 mcv_result mcv_precision_read(const mcv_command *command, uint32_t *precision, mcv_error *error) {
     *precision = mcv_wants_reference(command) ? MCV_PRECISION_DOUBLE : (uint32_t)command->precision;
-    if (command->precision == MCV_PRECISION_MIXED && is_reference(command->device))
+    if (command->precision == MCV_PRECISION_MIXED && is_reference(command))
         return mcv_fail(
             error, MCV_USAGE,
             "--precision mixed is for OpenCL devices: the reference renderer computes in double "
             "only");
-    if (command->precision == MCV_PRECISION_DOUBLE && command->device &&
-        !is_reference(command->device))
+    if (command->precision == MCV_PRECISION_DOUBLE && command->device && !is_reference(command))
         return mcv_fail(
             error, MCV_USAGE,
             "--precision double runs the reference renderer, on the host: leave out --device %s",

@@ -19,6 +19,7 @@ typedef struct mcv_list {
 #define MCV_OPTION_FIELD_list(field) mcv_list field;
 #define MCV_OPTION_FIELD_number(field) double field;
 #define MCV_OPTION_FIELD_time(field) double field;
+#define MCV_OPTION_FIELD_bytes(field) double field;
 #define MCV_OPTION_FIELD_channels(field) double field[3];
 #define MCV_OPTION_FIELD_lengths(field) double field[3];
 #define MCV_OPTION_FIELD_count(field) uint64_t field;
@@ -31,6 +32,7 @@ typedef struct mcv_command {
     int argc; /* as given */
     char **argv;
     const char *argument; /* the scene, the image, or help's verb; NULL if not given */
+    mcv_list arguments;   /* all of them, of verbs that take any number */
     const char *second;   /* the second argument of verbs that have one */
     bool help;            /* --help after the verb */
 #define MCV_X(kind, field, ...) MCV_OPTION_FIELD_##kind(field)
@@ -92,8 +94,8 @@ mcv_result mcv_precision_read(const mcv_command *command, uint32_t *precision, m
 /* The verb's number, or an error that suggests the nearest one. */
 mcv_result mcv_verb_find(const char *name, unsigned *verb, mcv_error *error);
 
-/* The JSON schema (draft 4) of a verb's options; of sweep, that of its experiment files. NULL
- * without memory. */
+/* The JSON schema (draft 4) of a verb's options; of verbs with experiments, that of their
+ * experiment files. NULL without memory. */
 json_t *mcv_verb_schema(unsigned verb);
 
 #endif

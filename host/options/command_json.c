@@ -31,6 +31,7 @@ static json_t *value_json(const mcv_option *o, const mcv_command *command,
         return list;
     case MCV_KIND_number:
     case MCV_KIND_time:
+    case MCV_KIND_bytes:
         return memcmp(field, usual, sizeof(double)) ? json_real(*numbers) : NULL;
     case MCV_KIND_channels:
     case MCV_KIND_lengths:

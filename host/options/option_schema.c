@@ -2,6 +2,7 @@
 /* Options as a JSON schema. */
 #include "options/option_table.h"
 
+#include <stdio.h>
 #include <string.h>
 
 /* The schema of one value; flags are true or absent. */
@@ -20,6 +21,7 @@ static json_t *option_schema(const mcv_option *o) {
     case MCV_KIND_range:
         return json_pack("{s:s, s:s}", "type", "string", "pattern", "^[0-9]+:[0-9]+$");
     case MCV_KIND_time:
+    case MCV_KIND_bytes:
     case MCV_KIND_channels:
     case MCV_KIND_lengths:
         return json_pack("{s:[s,s]}", "type", "number", "string");
@@ -41,7 +43,8 @@ static json_t *option_schema(const mcv_option *o) {
 }
 
 json_t *mcv_verb_schema(unsigned verb_index) {
-    const bool experiment = verb_index == MCV_VERB_SWEEP;
+    const bool experiment = (MCV_IN_EXPERIMENTS >> verb_index & 1) != 0;
+    char title[64];
     json_t *properties = json_object();
     if (experiment) {
         json_object_set_new(properties, "rig",
@@ -50,18 +53,23 @@ json_t *mcv_verb_schema(unsigned verb_index) {
         json_object_set_new(
             properties, "fingerprint",
             json_pack("{s:s, s:s}", "type", "string", "description",
-                      "fingerprint of the scene's files, which a sweep writes beside its table"));
+                      "fingerprint of the scene's files, which is written beside its table"));
     }
+    if (verb_index == MCV_VERB_SWEEP)
+        json_object_set_new(properties, "pod",
+                            json_pack("{s:s, s:s}", "type", "object", "description",
+                                      "what `mcvisi pod` tells of the table: its options"));
     for (size_t i = 0; i < MCV_OPTION_COUNT; ++i) {
         if (!(mcv_options[i].verbs >> verb_index & 1)) continue;
         json_t *schema = option_schema(mcv_options + i);
         json_object_set_new(schema, "description", json_string(mcv_options[i].doc));
         json_object_set_new(properties, mcv_options[i].name, schema);
     }
-    json_t *document =
-        json_pack("{s:s, s:s, s:s, s:o, s:b}", "$schema", "http://json-schema.org/draft-04/schema",
-                  "title", experiment ? "experiment of mcvisi sweep" : mcv_verbs[verb_index].name,
-                  "type", "object", "properties", properties, "additionalProperties", 0);
+    snprintf(title, sizeof title, "%s%s", experiment ? "experiment of mcvisi " : "",
+             mcv_verbs[verb_index].name);
+    json_t *document = json_pack("{s:s, s:s, s:s, s:o, s:b}", "$schema",
+                                 "http://json-schema.org/draft-04/schema", "title", title, "type",
+                                 "object", "properties", properties, "additionalProperties", 0);
     if (document && experiment) json_object_set_new(document, "required", json_pack("[s]", "rig"));
     return document;
 }

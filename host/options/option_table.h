@@ -12,6 +12,7 @@ typedef enum mcv_option_kind {
     MCV_KIND_list,
     MCV_KIND_number,
     MCV_KIND_time,
+    MCV_KIND_bytes,
     MCV_KIND_channels,
     MCV_KIND_lengths,
     MCV_KIND_count,

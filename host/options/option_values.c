@@ -32,22 +32,28 @@ static bool parse_number(const char *text, double *value) {
     return end != text && *end == '\0' && isfinite(*value);
 }
 
-/* A number with a unit of time, in seconds. */
-static bool parse_time(const char *text, double *value) {
-    static const struct {
-        const char *name;
-        double factor, divisor; /* divided, because 1e3 is exact in binary and 1e-3 is not */
-    } units[] = {{"us", 1, 1e6}, {"µs", 1, 1e6}, {"ms", 1, 1e3},
-                 {"s", 1, 1},    {"min", 60, 1}, {"h", 3600, 1}};
+typedef struct scaled_unit {
+    const char *name;
+    double factor, divisor; /* divided, because 1e3 is exact in binary and 1e-3 is not */
+} scaled_unit;
+
+static const scaled_unit times[] = {{"us", 1, 1e6}, {"µs", 1, 1e6}, {"ms", 1, 1e3}, {"s", 1, 1},
+                                    {"min", 60, 1}, {"h", 3600, 1}, {NULL, 0, 0}};
+static const scaled_unit sizes[] = {
+    {"B", 1, 1},      {"kB", 1e3, 1},     {"MB", 1e6, 1},     {"GB", 1e9, 1},     {"TB", 1e12, 1},
+    {"KiB", 1024, 1}, {"MiB", 0x1p20, 1}, {"GiB", 0x1p30, 1}, {"TiB", 0x1p40, 1}, {NULL, 0, 0}};
+
+/* A number with one of these units. */
+static bool parse_scaled(const char *text, const scaled_unit *units, double *value) {
     char digits[64];
     const size_t length = strspn(text, "0123456789.eE+-"),
                  unit = length + strspn(text + length, " ");
     if (length >= sizeof digits) return false;
     snprintf(digits, sizeof digits, "%.*s", (int)length, text);
     if (!parse_number(digits, value)) return false;
-    for (size_t i = 0; i < sizeof units / sizeof units[0]; ++i) {
-        if (strcmp(text + unit, units[i].name) != 0) continue;
-        *value = *value * units[i].factor / units[i].divisor;
+    for (; units->name; ++units) {
+        if (strcmp(text + unit, units->name) != 0) continue;
+        *value = *value * units->factor / units->divisor;
         return true;
     }
     return false;
@@ -57,7 +63,8 @@ static bool parse_time(const char *text, double *value) {
 static bool parse_number_in(mcv_option_kind kind, const char *text, double min, double max,
                             double *value) {
     const bool parsed =
-        parse_number(text, value) || (kind == MCV_KIND_time && parse_time(text, value)) ||
+        parse_number(text, value) || (kind == MCV_KIND_time && parse_scaled(text, times, value)) ||
+        (kind == MCV_KIND_bytes && parse_scaled(text, sizes, value)) ||
         (kind == MCV_KIND_lengths && mcv_parse_quantity(text, MCV_PARAM_length, value));
     return parsed && *value > min && *value <= max;
 }
@@ -113,11 +120,14 @@ mcv_result mcv_option_set(const mcv_option *o, const char *text, mcv_command *co
         return MCV_OK;
     case MCV_KIND_number:
     case MCV_KIND_time:
+    case MCV_KIND_bytes:
         if (parse_number_in(o->kind, text, o->min, o->max, field)) return MCV_OK;
         return mcv_fail(
             error, MCV_USAGE, "--%s %s: must be a number above %g and at most %g%s", o->name, text,
             o->min, o->max,
-            o->kind == MCV_KIND_time ? " [s], or with a unit (us, ms, s, min, h), as in 10ms" : "");
+            o->kind == MCV_KIND_time    ? " [s], or with a unit (us, ms, s, min, h), as in 10ms"
+            : o->kind == MCV_KIND_bytes ? " bytes, or with a unit (kB, MB, GB), as in 500MB"
+                                        : "");
     case MCV_KIND_channels:
     case MCV_KIND_lengths:
         if (parse_channels(o->kind, text, o->min, o->max, field)) return MCV_OK;

@@ -4,6 +4,16 @@
 #ifndef MCVISI_HOST_OPTIONS_OPTIONS_H
 #define MCVISI_HOST_OPTIONS_OPTIONS_H
 
+#include "options/options_camera.h"
+#include "options/options_defect.h"
+#include "options/options_detect.h"
+#include "options/options_experiment.h"
+#include "options/options_lightfield.h"
+#include "options/options_exec.h"
+#include "options/options_long.h"
+#include "options/options_pod.h"
+#include "options/options_transport.h"
+
 #include <stddef.h>
 #include <stdint.h>
 
@@ -34,12 +44,39 @@
     X(sweep, SWEEP, "sweep", "RIG|EXPERIMENT.json", \
       "render a scene with many sets of parameters and measure in each image; the result is a " \
       "table and a page of plots with error bars") \
+    X(pod, POD, "pod", "TABLE.csv|EXPERIMENT.json", \
+      "tell from which size on defects are found, with which confidence (MIL-HDBK-1823A), of a " \
+      "table of sizes with signals, or with hits and misses; an experiment of `mcvisi sweep` is " \
+      "rendered first, or continued") \
+    X(uncertainty, UNCERTAINTY, "uncertainty", "RIG|EXPERIMENT.json", \
+      "tell how tolerances of a scene's parameters spread what is measured: by first order and " \
+      "by Monte Carlo, with the contribution of each") \
+    X(optimize, OPTIMIZE, "optimize", "RIG|EXPERIMENT.json", \
+      "search for the parameters of a scene at which what is measured is largest or smallest, " \
+      "with few renders; the result is confirmed by renders that have chosen nothing") \
+    X(merge, MERGE, "merge", "PART.film…|PART.csv…", \
+      "join the films of parts of a render (render --samples A:B --film) to its image, with the " \
+      "bits of one render; or the tables of parts of a sweep (--range I/N) to one") \
     X(lightfield, LIGHTFIELD, "lightfield", "views|emd-gradient IMAGE.exr", \
       "show a light field image as its sub-aperture views, or its Earth Mover's gradient, in " \
       "which defects stand out") \
+    X(transport, TRANSPORT, "transport", "SCENE", \
+      "render the light transport matrix of a scene: what each lamp, or each pixel of a " \
+      "projector's, light field's or lamp's image, brings to each pixel of the camera") \
+    X(relight, RELIGHT, "relight", "MATRIX.npz", \
+      "make the image of other lamps or another pattern from a light transport matrix, with its " \
+      "standard error, without tracing rays") \
+    X(explain, EXPLAIN, "explain", "SCENE", \
+      "list the paths that make a pixel: which surfaces they meet, which emitter they come from, " \
+      "and their shares of its light") \
     X(import, IMPORT, "import", "LENS.zmx|LENS.seq", \
       "convert a lens file of a design program to a glTF file with exact surfaces, which scenes " \
       "can place") \
+    X(defect, DEFECT, "defect", "RIG dent|bump|scratch|bubble|inclusion|stria", \
+      "put a defect onto the surface of a node or inside of it, of a given size") \
+    X(detect, DETECT, "detect", "WITH.exr WITHOUT.exr", \
+      "tell how well a camera can tell a defect from its noise: contrast and detectability d', " \
+      "from renders with and without it") \
     X(devices, DEVICES, "devices", "", "list the OpenCL devices and their numbers") \
     X(help, HELP, "help", "[VERB]", "explain a verb and its options")
 
@@ -55,9 +92,15 @@ enum {
 #define MCV_X(verb, VERB, name, argument, doc) MCV_IN_##VERB = 1 << MCV_VERB_##VERB,
     MCV_VERBS(MCV_X)
 #undef MCV_X
-        MCV_IN_RENDERS = MCV_IN_RENDER | MCV_IN_SWEEP, /* verbs that render scenes */
-    MCV_IN_FIGURES = MCV_IN_MEASURE | MCV_IN_SWEEP,
-    MCV_IN_GREY = MCV_IN_RENDERS | MCV_IN_CAMERA
+    /* Verbs that render many sets. */
+    MCV_IN_EXPERIMENTS = MCV_IN_SWEEP | MCV_IN_UNCERTAINTY | MCV_IN_OPTIMIZE,
+    MCV_IN_RENDERS = MCV_IN_RENDER | MCV_IN_EXPERIMENTS, /* verbs that render scenes */
+    MCV_IN_PATHS = MCV_IN_RENDERS | MCV_IN_COMPARE | MCV_IN_TRANSPORT, /* that trace paths */
+    MCV_IN_FIGURES = MCV_IN_MEASURE | MCV_IN_EXPERIMENTS,
+    MCV_IN_GREY = MCV_IN_RENDERS | MCV_IN_CAMERA,
+    MCV_IN_EXPOSES = MCV_IN_GREY | MCV_IN_DETECT,
+    MCV_IN_SCENES = MCV_IN_PATHS | MCV_IN_CHECK | MCV_IN_TRACE | MCV_IN_MEASURE | MCV_IN_EXPLAIN |
+                    MCV_IN_CAMERA_MODEL
 };
 
 /*
@@ -69,6 +112,7 @@ enum {
  *     list      a string; the option may be repeated
  *     number    above min and at most max
  *     time      such a number, in seconds or with a unit
+ *     bytes     such a number, in bytes or with a unit
  *     channels  one such number or three
  *     lengths   one such number or three, in metres or with units
  *     count     an integer from min to max
@@ -82,11 +126,12 @@ enum {
     X(text, exr, "output", 'o', "F.exr", MCV_IN_RENDER, NULL, 0, 0, \
       "the OpenEXR image; its second part is the standard error; by default it is named after " \
       "the scene, and the sensor if there are several") \
-    X(text, png, "png", 0, "F.png", MCV_IN_RENDER, NULL, 0, 0, \
+    X(text, png, "png", 0, "F.png", MCV_IN_RENDER | MCV_IN_MERGE, NULL, 0, 0, \
       "the preview; by default the name of the OpenEXR image with .png") \
-    X(choice, parts, "parts", 0, "error|replicates", MCV_IN_RENDER, "error", 0, 0, \
+    X(choice, parts, "parts", 0, "error|replicates", MCV_IN_RENDER | MCV_IN_MERGE, "error", 0, 0, \
       "parts of the OpenEXR file beside the image: error, its standard error; replicates, " \
       "also the means of all replicates, which `mcvisi compare` needs for rank tests") \
+    MCV_LONG_OPTIONS(X) \
     X(text, rig, "output", 'o', "RIG.gltf", MCV_IN_NEW, NULL, 0, 0, \
       "the rig; the part must lie in its folder or below; by default PART-KIND.gltf beside " \
       "the part") \
@@ -131,22 +176,22 @@ enum {
     X(number, f_number, "f-number", 0, "N", MCV_IN_NEW, NULL, 0, 1e4, \
       "the working f-number, on the image side") \
     X(text, sensor, "sensor", 0, "NAME", \
-      MCV_IN_RENDERS | MCV_IN_CHECK | MCV_IN_MEASURE | MCV_IN_COMPARE | MCV_IN_CAMERA_MODEL, NULL, \
+      MCV_IN_EXPLAIN | MCV_IN_PATHS | MCV_IN_CHECK | MCV_IN_MEASURE | MCV_IN_CAMERA_MODEL, NULL, \
       0, 0, "use only this sensor, by name or number") \
-    X(count, spp, "spp", 0, "N", MCV_IN_RENDERS | MCV_IN_COMPARE, NULL, 1, 1ull << 37, \
+    X(count, spp, "spp", 0, "N", MCV_IN_PATHS, NULL, 1, 1ull << 37, \
       "stop at N samples per pixel over all replicates; N / replicates is rounded up to a " \
       "power of two") \
-    X(number, error, "error", 0, "E", MCV_IN_RENDERS | MCV_IN_COMPARE, NULL, 0, 1e9, \
+    X(number, error, "error", 0, "E", MCV_IN_PATHS, NULL, 0, 1e9, \
       "stop at this error: root of the mean squared standard error over the image's mean; " \
       "without --spp, --error, --time and --samples the limits are 0.01 and 60 s") \
-    X(time, time, "time", 0, "T", MCV_IN_RENDERS | MCV_IN_COMPARE, NULL, 0, 1e9, \
+    X(time, time, "time", 0, "T", MCV_IN_PATHS, NULL, 0, 1e9, \
       "stop between 0.8 T and T seconds (or with a unit: 5min), building the scene and the " \
       "kernels included; earlier where one more sample of each pixel and replicate (8 with " \
       "--adaptive) would pass T; the first one is always rendered") \
     X(range, samples, "samples", 0, "A:B", MCV_IN_RENDER, NULL, 0, 1ull << 31, \
       "render only samples A to B - 1 of each replicate; B - A is a power of two and A a " \
       "multiple of it") \
-    X(count, replicates, "replicates", 0, "R", MCV_IN_RENDERS, "4", 1, 64, \
+    X(count, replicates, "replicates", 0, "R", MCV_IN_RENDERS | MCV_IN_TRANSPORT, "4", 1, 64, \
       "number of independent scrambles of the sample points; their spread gives the standard " \
       "error") \
     X(count, repeats, "replicates", 0, "R", MCV_IN_COMPARE, "16", 2, 64, \
@@ -160,38 +205,37 @@ enum {
       "give noisier pixels more samples, and the others fewer: on: if a pilot says that it " \
       "takes fewer samples; auto: if it wins even where noisy pixels take longer; --spp then " \
       "limits the mean; the part `samples` of the OpenEXR file has the number of each pixel") \
-    X(choice, sampler, "sampler", 0, "sobol|random", MCV_IN_RENDERS | MCV_IN_COMPARE, "sobol", 0, \
-      0, "Owen-scrambled Sobol' points, or independent random points") \
-    X(choice, split, "split", 0, "on|off", MCV_IN_RENDERS | MCV_IN_COMPARE, "on", 0, 0, \
+    X(choice, sampler, "sampler", 0, "sobol|random", MCV_IN_PATHS, "sobol", 0, 0, \
+      "Owen-scrambled Sobol' points, or independent random points") \
+    X(choice, split, "split", 0, "on|off", MCV_IN_PATHS, "on", 0, 0, \
       "on: at glass, sheets and beam splitters follow both the reflected and the transmitted " \
       "path; off: follow one of them at random") \
-    X(choice, light_paths, "light-paths", 0, "auto|on|off", MCV_IN_RENDERS | MCV_IN_COMPARE, \
-      "auto", 0, 0, \
+    X(choice, light_paths, "light-paths", 0, "auto|on|off", MCV_IN_PATHS, "auto", 0, 0, \
       "light paths from emitters: auto: `render` measures how many are worth their time, other " \
       "commands trace as many as `on` does; on: as many as the scene's geometry suggests; off: " \
       "none, then caustics of lights without extent are missing") \
-    X(count, seed, "seed", 0, "S", MCV_IN_GREY | MCV_IN_COMPARE, "0", 0, UINT32_MAX, \
+    X(count, seed, "seed", 0, "S", \
+      MCV_IN_GREY | MCV_IN_COMPARE | MCV_IN_TRANSPORT | MCV_IN_EXPLAIN, "0", 0, UINT32_MAX, \
       "seed of the noise; the same seed gives the same bits; with one seed, all images of a " \
       "sequence have the same noise") \
-    X(count, depth, "depth", 0, "N", MCV_IN_RENDERS | MCV_IN_COMPARE | MCV_IN_TRACE, "32", 1, \
+    X(count, depth, "depth", 0, "N", MCV_IN_EXPLAIN | MCV_IN_PATHS | MCV_IN_TRACE, "32", 1, \
       1000000, "largest number of surfaces on a path") \
     X(size, resolution, "resolution", 0, "WxH", \
-      MCV_IN_RENDERS | MCV_IN_COMPARE | MCV_IN_CAMERA_MODEL, NULL, 1, 65536, \
+      MCV_IN_EXPLAIN | MCV_IN_PATHS | MCV_IN_CAMERA_MODEL, NULL, 1, 65536, \
       "other number of pixels on the same field of view; macro pixels for a light field " \
       "camera") \
-    X(choice, schedule, "schedule", 0, "auto|tile|stream", MCV_IN_RENDERS | MCV_IN_COMPARE, \
-      "auto", 0, 0, \
+    X(choice, schedule, "schedule", 0, "auto|tile|stream", MCV_IN_PATHS, "auto", 0, 0, \
       "how the stages are launched: tile, a slice of the image at a time (CPUs); stream, one " \
       "launch per stage (GPUs); both give the same bits") \
-    X(text, device, "device", 0, "D", MCV_IN_RENDERS | MCV_IN_TRACE | MCV_IN_COMPARE, NULL, 0, 0, \
+    X(text, device, "device", 0, "D", MCV_IN_PATHS | MCV_IN_TRACE, NULL, 0, 0, \
       "a number from `mcvisi devices`, PLATFORM:TYPE:NAME, or `reference`: the independent " \
       "renderer in double precision, slow") \
-    X(choice, precision, "precision", 0, "single|mixed|double", \
-      MCV_IN_RENDERS | MCV_IN_TRACE | MCV_IN_COMPARE, NULL, 0, 0, \
+    X(choice, precision, "precision", 0, "single|mixed|double", MCV_IN_PATHS | MCV_IN_TRACE, NULL, \
+      0, 0, \
       "single: float32, the default; mixed: hits on smooth surfaces and directions behind " \
       "them in double; double: all in double, by the reference renderer, slow") \
-    X(count, threads, "threads", 0, "N", \
-      MCV_IN_RENDERS | MCV_IN_TRACE | MCV_IN_LIGHTFIELD | MCV_IN_COMPARE, NULL, 1, 1024, \
+    X(count, threads, "threads", 0, "N", MCV_IN_PATHS | MCV_IN_TRACE | MCV_IN_LIGHTFIELD, NULL, 1, \
+      1024, \
       "threads of the host, for building the scene, the reference renderer and the gradient; " \
       "by default one per core") \
     X(text, rays, "rays", 0, "rays.csv", MCV_IN_TRACE, NULL, 0, 0, \
@@ -215,50 +259,7 @@ enum {
     X(text, camera, "camera", 0, "FILE", MCV_IN_RENDER, NULL, 0, 0, \
       "also write the grey values of a camera, as `mcvisi camera` does from the image; its " \
       "options apply") \
-    X(time, exposure_time, "exposure-time", 0, "T", MCV_IN_GREY, NULL, 0, 1e9, \
-      "EMVA's t_exp [s], or with a unit, 10ms; together with eta, lambda and the pixel size " \
-      "in the image's header it gives the electrons per irradiance; with --electrons-per-unit " \
-      "or --expose-to instead, it only scales --dark-current") \
-    X(channels, quantum_efficiency, "quantum-efficiency", 0, "ETA[,ETA,ETA]", MCV_IN_GREY, "0.6", \
-      0, 1, "eta: electrons per photon, one number or those of red, green and blue") \
-    X(lengths, wavelength, "wavelength", 0, "L[,L,L]", MCV_IN_GREY, "550nm", 0, 1e-3, \
-      "lambda [m], or with a unit, 630nm; one number or those of red, green and blue; a " \
-      "photon has the energy h c / lambda") \
-    X(channels, electrons_per_unit, "electrons-per-unit", 0, "N[,N,N]", MCV_IN_GREY, NULL, 0, \
-      1e30, "mean electrons mu_e for 1 W/m^2 of irradiance or 1 W/(m^2 sr) of radiance") \
-    X(number, expose_to, "expose-to", 0, "F", MCV_IN_GREY, NULL, 0, 1000, \
-      "choose the exposure so that the bright parts of the image reach F times the full well " \
-      "on average; their level is the brightness-weighted mean of the image or, if larger, " \
-      "that of the brightest blocks of 16 x 16 pixels; it does not depend on the number of " \
-      "samples") \
-    X(number, full_well, "full-well", 0, "N", MCV_IN_GREY, "10000", 0, 1e12, \
-      "saturation capacity u_e.sat [e-]") \
-    X(number, gain, "gain", 0, "K", MCV_IN_GREY | MCV_IN_MEASURE, NULL, 0, 1e12, \
-      "system gain K [DN/e-]; by default the full well is the largest grey value") \
-    X(number, read_noise, "read-noise", 0, "N", MCV_IN_GREY | MCV_IN_MEASURE, NULL, 0, 1e9, \
-      "sigma_d0, the temporal dark noise without dark current [e-]; by default none") \
-    X(number, dark_current, "dark-current", 0, "I", MCV_IN_GREY, NULL, 0, 1e12, \
-      "mu_I.dark [e-/s], multiplied by --exposure-time; by default none") \
-    X(number, dsnu, "dsnu", 0, "N", MCV_IN_GREY, NULL, 0, 1e9, \
-      "DSNU1288: standard deviation of the pixels' offsets [e-]; by default none") \
-    X(number, prnu, "prnu", 0, "F", MCV_IN_GREY, NULL, 0, 1, \
-      "PRNU1288: standard deviation of the pixels' sensitivities, as a fraction; by default " \
-      "none") \
-    X(count, camera_seed, "camera-seed", 0, "S", MCV_IN_GREY, "0", 0, UINT32_MAX, \
-      "another specimen of the camera: other offsets and sensitivities of its pixels") \
-    X(flag, noise_free, "noise-free", 0, NULL, MCV_IN_GREY, NULL, 0, 0, \
-      "mean grey values, only rounded: no noise and no fixed pattern") \
-    X(count, bits, "bits", 0, "B", MCV_IN_GREY, "12", 1, 16, \
-      "bits of a grey value, which ranges from 0 to 2^B - 1 DN") \
-    X(count, black_level, "black-level", 0, "DN", MCV_IN_GREY | MCV_IN_MEASURE, "0", 0, 65534, \
-      "the mean grey value without light and without dark current") \
-    X(choice, bayer, "bayer", 0, "none|RGGB|BGGR|GRBG|GBRG", MCV_IN_GREY, "none", 0, 0, \
-      "colours of the top-left 2 x 2 pixels; the output has one channel of grey values, as a " \
-      "colour camera reads them") \
-    X(text, lens_mtf, "lens-mtf", 0, "diffraction|none|F.csv", MCV_IN_GREY, "diffraction", 0, 0, \
-      "blur of the lens beyond geometrical optics: diffraction at the working f-number of the " \
-      "image's header, if it has one; or a table with rows `cycles per mm on the sensor, " \
-      "modulation`; not for light field images") \
+    MCV_CAMERA_OPTIONS(X) \
     X(list, region, "region", 0, "[NAME=]X,Y,W,H", MCV_IN_FIGURES, NULL, 0, 0, \
       "region to measure, in pixels from the top-left corner: a rectangle, a polygon " \
       "X,Y,X,Y,X,Y,… or an image F.png, whose pixels above 0 belong to it; or a rectangle on " \
@@ -303,79 +304,31 @@ enum {
     X(text, grid, "grid", 0, "[NODE=]F.png", MCV_IN_MEASURE, NULL, 0, 0, \
       "draw the image with pixel coordinates, the node's coordinates in the plane in focus in " \
       "millimetres, and the given places; by default the first node that the header names") \
-    X(list, vary, "vary", 0, "PATH=VALUES", MCV_IN_SWEEP, NULL, 0, 0, \
-      "a parameter of the scene, a path as for --set, and its values FROM..TO:N, " \
-      "FROM..TO:N:log or A,B,C, as in --vary emitters/back/halfAngle=0.1deg..2deg:8; " \
-      "expressions and the table use the last word of the path, halfAngle, as its name; may " \
-      "be repeated") \
-    X(list, tie, "tie", 0, "PATH=EXPR", MCV_IN_SWEEP, NULL, 0, 0, \
-      "a parameter that follows from others, as in --tie nodes/back/distance=2*distance+10mm; " \
-      "may be repeated") \
-    X(list, where, "where", 0, "EXPR", MCV_IN_SWEEP, NULL, 0, 0, \
-      "leave out sets for which this is 0 or false, as in --where 'halfAngle<1deg || " \
-      "fNumber>8'; may be repeated") \
-    X(choice, design, "design", 0, "grid|list|lhs|sobol", MCV_IN_SWEEP, "grid", 0, 0, \
-      "which sets: grid, all combinations; list, the first values of all parameters, then the " \
-      "second, and so on; lhs, a Latin hypercube; sobol, Sobol' points") \
-    X(count, points, "points", 0, "N", MCV_IN_SWEEP, NULL, 1, 1000000, \
-      "number of sets of --design lhs and sobol") \
-    X(count, design_seed, "design-seed", 0, "S", MCV_IN_SWEEP, "0", 0, UINT32_MAX, \
-      "another Latin hypercube, other Sobol' points") \
-    X(list, metric, "metric", 0, "[NAME:=]EXPR", MCV_IN_SWEEP, NULL, 0, 0, \
-      "what to measure: an expression of figures of `mcvisi measure`, NAME.FIGURE of a " \
-      "region, edge, line, caliper, circle or arc, or FIGURE of the first one: " \
-      "dent.contrast_to_noise, mtf50; may be repeated") \
-    X(list, until, "until", 0, "NAME=U", MCV_IN_SWEEP, NULL, 0, 0, \
-      "render until the standard uncertainty of this metric is at most U, and that of every " \
-      "other metric with --until at most its own, within --spp and --time; may be repeated") \
-    X(choice, in, "in", 0, "image|emd-gradient", MCV_IN_SWEEP, "image", 0, 0, \
-      "measure in the image, or in the Earth Mover's gradient of a light field image") \
-    X(text, best, "best", 0, "NAME=largest|smallest", MCV_IN_SWEEP, NULL, 0, 0, \
-      "mark the set in which this metric is largest or smallest, and tell which sets are as " \
-      "good") \
-    X(text, title, "title", 0, "TEXT", MCV_IN_SWEEP, NULL, 0, 0, \
-      "the page's heading; by default Sweep of RIG") \
-    X(text, note, "note", 0, "TEXT", MCV_IN_SWEEP, NULL, 0, 0, \
-      "a sentence below the page's heading: what the sweep is to show") \
-    X(text, table, "output", 'o', "F.csv", MCV_IN_SWEEP, NULL, 0, 0, \
-      "the table; by default RIG-sweep.csv or EXPERIMENT-sweep.csv. Beside it are written " \
-      "F.json, the experiment, and F.html, the page") \
-    X(text, images, "images", 0, "FOLDER", MCV_IN_SWEEP, NULL, 0, 0, \
-      "keep the image of each set in this folder, as OpenEXR") \
-    X(flag, resume, "resume", 0, NULL, MCV_IN_SWEEP, NULL, 0, 0, \
-      "continue a table; scene and experiment must be the same") \
-    X(flag, again, "force", 0, NULL, MCV_IN_SWEEP, NULL, 0, 0, \
-      "begin an existing table again; its rows are lost") \
-    X(text, processed, "output", 'o', "F.png|F.exr", MCV_IN_LIGHTFIELD, NULL, 0, 0, \
-      "the file to write: a picture, or the values as OpenEXR; views keep their colours, the " \
-      "gradient has pseudo-colours") \
-    X(text, picture, "png", 0, "F.png", MCV_IN_LIGHTFIELD, NULL, 0, 0, \
-      "the picture beside an OpenEXR output") \
-    X(choice, form, "form", 0, "normalized|mass", MCV_IN_LIGHTFIELD | MCV_IN_SWEEP, "normalized", \
-      0, 0, \
-      "for emd-gradient: normalized, macro pixels of mass 1, which show deflection only; or " \
-      "mass, macro pixels with their brightness, which show absorption too") \
-    X(number, scale_end, "scale-end", 0, "V", MCV_IN_LIGHTFIELD, NULL, 0, 1e30, \
-      "for emd-gradient: the value with the last colour, to compare pictures; by default 99.5 " \
-      "% of the macro pixels lie below it") \
-    X(size, angular, "angular", 0, "JxK", MCV_IN_LIGHTFIELD, NULL, 1, 256, \
-      "pixels of a macro pixel, for images whose header does not state it") \
-    X(list, set, "set", 0, "PATH=VALUE", \
-      MCV_IN_RENDERS | MCV_IN_CHECK | MCV_IN_TRACE | MCV_IN_MEASURE | MCV_IN_COMPARE | \
-          MCV_IN_CAMERA_MODEL, \
-      NULL, 0, 0, \
+    MCV_EXPERIMENT_OPTIONS(X) \
+    MCV_LIGHTFIELD_OPTIONS(X) \
+    MCV_EXEC_OPTIONS(X) \
+    MCV_POD_OPTIONS(X) \
+    MCV_TRANSPORT_OPTIONS(X) \
+    MCV_DEFECT_OPTIONS(X) \
+    MCV_DETECT_OPTIONS(X) \
+    X(list, set, "set", 0, "PATH=VALUE", MCV_IN_SCENES | MCV_IN_RELIGHT, NULL, 0, 0, \
       "change the scene, as in --set sensors/cam/fNumber=8 or --set " \
       "emitters/back/halfAngle=0.2deg; may be repeated") \
+    X(bytes, memory, "memory", 0, "SIZE", MCV_IN_SCENES, NULL, 0, 1e18, \
+      "refuse scenes whose files, images and triangles take more memory: bytes, or as in 500MB " \
+      "(kB, MB, GB); by default half of the machine's; check prints what a scene takes") \
     X(text, html, "html", 0, "F.html", MCV_IN_CHECK, NULL, 0, 0, \
       "also draw the set-up: a page with each sensor's view from the side and from above, " \
       "with rays, field, focus, depth of field, lights and dimensions, and the findings") \
+    X(flag, strict, "strict", 0, NULL, MCV_IN_CHECK, NULL, 0, 0, \
+      "check the glTF file alone and whole, as Khronos' validator does; exit code 3 if it errs") \
     X(flag, defines, "defines", 0, NULL, MCV_IN_CHECK, NULL, 0, 0, \
-      "print the -D options that specialise the scene's OpenCL programs; without a scene, " \
-      "those with all features") \
+      "print the -D options of the scene's OpenCL programs; without a scene, of all features") \
     X(flag, json, "json", 0, NULL, \
-      MCV_IN_RENDERS | MCV_IN_NEW | MCV_IN_CHECK | MCV_IN_COMPARE | MCV_IN_CAMERA | \
-          MCV_IN_CAMERA_MODEL | MCV_IN_MEASURE | MCV_IN_LIGHTFIELD | MCV_IN_IMPORT | \
-          MCV_IN_DEVICES | MCV_IN_HELP, \
+      MCV_IN_RENDERS | MCV_IN_MERGE | MCV_IN_NEW | MCV_IN_CHECK | MCV_IN_COMPARE | MCV_IN_CAMERA | \
+          MCV_IN_CAMERA_MODEL | MCV_IN_MEASURE | MCV_IN_POD | MCV_IN_LIGHTFIELD | MCV_IN_IMPORT | \
+          MCV_IN_DEVICES | MCV_IN_HELP | MCV_IN_DEFECT | MCV_IN_DETECT | MCV_IN_TRANSPORT | \
+          MCV_IN_RELIGHT | MCV_IN_EXPLAIN, \
       NULL, 0, 0, \
       "print JSON in SI units; render prints one object per sensor, each on one line; help " \
       "prints a schema of the options")

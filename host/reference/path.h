@@ -40,9 +40,13 @@ typedef struct ref_hits {
 ref_hits ref_hits_at(const ref_geometry *geometry, ref_vec origin, ref_vec direction,
                      const ref_skip *skip, const ref_hit *hit);
 
-/* Traces one camera ray: its contribution to the pixel, the incident radiance times its weight. */
+/* Who is told of the light that a path finds (reference/trail.h). */
+typedef struct ref_trail ref_trail;
+
+/* Traces one camera ray: its contribution to the pixel, the incident radiance times its weight.
+ * trail: NULL, or what is told of it. */
 void ref_path_value(const ref_world *world, const ref_sensor_ray *sensor_ray, ref_random *random,
-                    ref_tally *tally, double value[3]);
+                    ref_tally *tally, ref_trail *trail, double value[3]);
 
 /* mcv_reference_render (reference.h). Without sample_emitters, emission is found by hits only: the
  * same image with more noise. */

@@ -3,6 +3,7 @@
 #include "reference/path_steps.h"
 
 #include "reference/lights.h"
+#include "reference/trail.h"
 #include "scene/materials.h"
 
 static ref_vec to_frame(const ref_scatterer *s, ref_vec v) {
@@ -75,9 +76,11 @@ static void add_direct(const ref_world *world, const ref_path *p, const ref_emit
     const double scale = ref_weight_against(density, own) / density / (ior * ior);
     for (int channel = 0; channel < 3; ++channel) {
         const double absorption = filling ? exp(-filling->absorption[channel] * hit.distance) : 1;
-        radiance[channel] +=
+        emitted[channel] =
             p->throughput[channel] * value[channel] * emitted[channel] * absorption * scale;
+        radiance[channel] += emitted[channel];
     }
+    ref_trail_light(p->trail, emitter->index, source.position, false, emitted);
 }
 
 /* Adds the light of one beam or light without extent at a surface that spreads it. */
@@ -102,9 +105,15 @@ static void add_light(const ref_world *world, const ref_path *p, const mcv_emitt
         const double absorption = filling && filling->absorption[channel] > 0
                                       ? exp(-filling->absorption[channel] * light.distance)
                                       : 1;
-        radiance[channel] += p->throughput[channel] * value[channel] * light.irradiance[channel] *
-                             absorption / (ior * ior);
+        value[channel] = p->throughput[channel] * value[channel] * light.irradiance[channel] *
+                         absorption / (ior * ior);
+        radiance[channel] += value[channel];
     }
+    const bool is_far = !(light.distance < INFINITY);
+    ref_trail_light(p->trail, (uint32_t)(emitter - world->scene->emitters),
+                    is_far ? light.direction
+                           : ref_add(surface->position, ref_scale(light.distance, light.direction)),
+                    is_far, value);
 }
 
 void ref_find_frame(const ref_surface *surface, ref_scatterer *s) {

@@ -12,8 +12,9 @@ typedef struct ref_path {
     ref_skip skip; /* the surfaces it starts on */
     ref_media media;
     double throughput[3];
-    double density; /* density of its direction if emitters were sampled too [1/sr]; else 0:
-                       emission has full weight */
+    double density;   /* density of its direction if emitters were sampled too [1/sr]; else 0:
+                         emission has full weight */
+    ref_trail *trail; /* or NULL */
 } ref_path;
 
 static inline void ref_multiply(double a[3], const double b[3]) {

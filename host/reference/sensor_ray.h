@@ -3,6 +3,7 @@
 #ifndef MCVISI_HOST_REFERENCE_SENSOR_RAY_H
 #define MCVISI_HOST_REFERENCE_SENSOR_RAY_H
 
+#include "reference/random.h"
 #include "reference/vector.h"
 #include "scene/scene.h"
 
@@ -18,5 +19,14 @@ typedef struct ref_sensor_ray {
  */
 ref_sensor_ray ref_sensor_ray_sample(const mcv_sensor *sensor, uint32_t column, uint32_t row,
                                      double x, double y, double u, double v);
+
+/* The same at a moment of the row's exposure, chosen by (ξ, η) in [0, 1): the time, and the stage
+ * of a TDI sensor (mcvisi/motion.h). */
+ref_sensor_ray ref_sensor_ray_at(const mcv_sensor *sensor, uint32_t column, uint32_t row, double x,
+                                 double y, double u, double v, double xi, double eta);
+
+/* A ray for (x, y, u, v) = place. Of a sensor for which the time matters, (ξ, η) are drawn. */
+ref_sensor_ray ref_sensor_ray_draw(const mcv_sensor *sensor, uint32_t column, uint32_t row,
+                                   const double place[4], ref_random *random);
 
 #endif

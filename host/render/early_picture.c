@@ -81,7 +81,6 @@ static void develop(const mcv_renderer *r, const uint64_t *splats, uint32_t stri
 static mcv_result render_picture(mcv_renderer *r, mcv_image *picture, uint32_t stride, bool *stop) {
     mcv_film *image = r->film, film = {0};
     double *round = r->round;
-    const cl_uint nothing = 0;
     MCV_TRY(mcv_film_new(&film, image->width, image->height, image->channels, 1, r->error));
     const size_t bytes = 8 * mcv_film_values(&film);
     uint64_t *splats = r->scene.splats ? calloc(1, bytes) : NULL;
@@ -103,11 +102,7 @@ static mcv_result render_picture(mcv_renderer *r, mcv_image *picture, uint32_t s
     mcv_film_free(&film);
     free(splats);
     MCV_TRY(result);
-    if (r->scene.splats)
-        MCV_TRY_CL(clEnqueueFillBuffer(r->cl.queue, r->scene.splats, &nothing, sizeof nothing, 0,
-                                       bytes, 0, NULL, NULL),
-                   r->error);
-    return MCV_OK;
+    return r->scene.splats ? mcv_cl_clear(&r->cl, r->scene.splats, bytes, r->error) : MCV_OK;
 }
 
 mcv_result mcv_show_early(mcv_renderer *r) {

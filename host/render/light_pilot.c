@@ -94,7 +94,6 @@ static mcv_result trace_pilot(mcv_renderer *r, uint64_t *splats, pilot_look *loo
 static mcv_result render_pilot(mcv_renderer *r, pilot_look *look, bool *stop) {
     mcv_film *image = r->film, pilot;
     double *round = r->round;
-    const cl_uint nothing = 0;
     MCV_TRY(mcv_film_new(&pilot, image->width, image->height, image->channels, MCV_LIGHT_REPLICATES,
                          r->error));
     const size_t bytes = 8 * mcv_film_values(&pilot);
@@ -116,10 +115,7 @@ static mcv_result render_pilot(mcv_renderer *r, pilot_look *look, bool *stop) {
     mcv_film_free(&pilot);
     free(splats);
     MCV_TRY(result);
-    MCV_TRY_CL(clEnqueueFillBuffer(r->cl.queue, r->scene.splats, &nothing, sizeof nothing, 0, bytes,
-                                   0, NULL, NULL),
-               r->error);
-    return MCV_OK;
+    return mcv_cl_clear(&r->cl, r->scene.splats, bytes, r->error);
 }
 
 mcv_result mcv_allocate_light(mcv_renderer *r) {

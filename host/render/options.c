@@ -48,6 +48,9 @@ mcv_result mcv_render_check_options(const mcv_scene *scene, uint32_t sensor,
             "adaptive sampling gives pixels at most 2^28 samples per replicate on average, not "
             "%llu",
             (unsigned long long)options->last);
+    if (options->adaptive && options->records)
+        return mcv_fail(error, MCV_USAGE,
+                        "adaptive sampling cannot be recorded: all pixels need the same samples");
     const uint64_t count = options->last - options->first;
     if (options->last > 0 && (!is_power_of_two(count) || options->first % count != 0)) {
         return mcv_fail(error, MCV_USAGE,

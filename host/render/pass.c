@@ -91,12 +91,14 @@ static double stage_seconds(const mcv_render_stats *stats) {
 static mcv_result launch(mcv_renderer *r, uint32_t sets, uint32_t first_block, readback *h) {
     const double begun = mcv_seconds();
     r->frame.path_count = sets << r->frame.log2_samples;
+    MCV_TRY(mcv_clear_records(r));
     MCV_TRY(mcv_schedule_start(&r->schedule, &r->frame, r->stats, r->error));
     accumulate_readback(r, h);
     MCV_TRY(mcv_schedule_wait(&r->schedule, r->stats, r->error));
     MCV_TRY(mcv_cl_read(&r->cl, r->schedule.sums, 0,
                         8 * (size_t)sets * h->launched_blocks * r->film->channels, h->read,
                         r->error));
+    MCV_TRY(mcv_take_records(r));
     h->first_set = r->frame.first_set;
     h->sets = sets;
     h->first_block = first_block;
@@ -122,6 +124,14 @@ static bool go_on(const mcv_renderer *r, double samples, double error) {
     r->stats->interrupted = true;
     /* The first round is always finished: a stopped render has an image. */
     return r->film->samples == 0;
+}
+
+/* Saves the render with what was read, if it is time. */
+static mcv_result save(mcv_renderer *r, readback *h, bool ending) {
+    if (!r->in_round || !mcv_save_is_due(r, ending)) return MCV_OK;
+    accumulate_readback(r, h);
+    r->part.sums = r->round;
+    return mcv_save_unfinished(r);
 }
 
 static uint64_t times_power(uint64_t count, int level) {
@@ -163,11 +173,13 @@ mcv_result mcv_render_class(mcv_renderer *r, mcv_pixel_class class, uint64_t fir
 
     r->frame.log2_samples = log2_samples;
     uint32_t sets = 0;
-    for (uint64_t set = first_set; result == MCV_OK && !*stop && set < end_set; set += sets) {
+    for (uint64_t set = first_set + (r->in_round ? r->part.sets : 0);
+         result == MCV_OK && !*stop && set < end_set; set += sets) {
         /* The first launch is short, so that the user soon sees progress; a renderer that has
          * rendered before skips this. */
         const bool at_once = r->stats->kept_program || r->stats->seconds_first_sample > 0;
-        const uint32_t most = at_once ? sets_per_launch : (sets_per_launch + 15) / 16;
+        uint32_t most = at_once ? sets_per_launch : (sets_per_launch + 15) / 16;
+        if (r->recording_sets > 0 && most > r->recording_sets) most = r->recording_sets;
         sets = (uint32_t)(end_set - set < most ? end_set - set : most);
         r->frame.first_set = (uint32_t)set;
         for (uint64_t s = 0; result == MCV_OK && s < count; s += launch_samples) {
@@ -176,6 +188,8 @@ mcv_result mcv_render_class(mcv_renderer *r, mcv_pixel_class class, uint64_t fir
         }
         const double share = (double)(set + sets - first_set) / (double)set_count;
         if (result == MCV_OK) *stop = !go_on(r, before + share * round, done_before);
+        if (r->in_round) r->part.sets = set + sets - first_set;
+        if (result == MCV_OK) result = save(r, &h, *stop);
     }
     if (result == MCV_OK) accumulate_readback(r, &h);
     free(h.read);
@@ -204,8 +218,14 @@ mcv_result mcv_render_light(mcv_renderer *r, uint64_t pixels, uint64_t first, ui
 
 mcv_result mcv_render_pass(mcv_renderer *r, uint64_t first, uint64_t count, double done_before,
                            bool *stop) {
-    for (uint32_t i = 0; i < r->class_count && !*stop; ++i)
-        MCV_TRY(mcv_render_class(r, r->classes[i], first, count, done_before, stop));
-    if (*stop) return MCV_OK;
+    while (r->part.class < r->class_count) {
+        r->in_round = true;
+        const mcv_result result =
+            mcv_render_class(r, r->classes[r->part.class], first, count, done_before, stop);
+        r->in_round = false;
+        if (result != MCV_OK || *stop) return result;
+        ++r->part.class;
+        r->part.sets = 0;
+    }
     return mcv_render_light(r, mcv_tiled_pixels(r->film->width, r->film->height), first, count);
 }

@@ -84,17 +84,17 @@ void mcv_unlist_pixels(mcv_renderer *r) {
         (mcv_pixel_class){0, 0, (uint32_t)mcv_tiled_pixels(r->film->width, r->film->height)};
 }
 
+mcv_result mcv_begin_levels(mcv_renderer *r) {
+    r->frame.seed = r->options->seed ^ ADAPTIVE_SEED;
+    return mcv_list_pixels(r, 1);
+}
+
 /* Empties the film, for a render with other random numbers. */
 static mcv_result begin_anew(mcv_renderer *r) {
     const size_t values = mcv_film_values(r->film);
-    const cl_uint nothing = 0;
-    if (r->scene.splats)
-        MCV_TRY_CL(clEnqueueFillBuffer(r->cl.queue, r->scene.splats, &nothing, sizeof nothing, 0,
-                                       8 * values, 0, NULL, NULL),
-                   r->error);
+    if (r->scene.splats) MCV_TRY(mcv_cl_clear(&r->cl, r->scene.splats, 8 * values, r->error));
     r->film->samples = 0;
-    r->frame.seed = r->options->seed ^ ADAPTIVE_SEED;
-    return mcv_list_pixels(r, 1);
+    return mcv_begin_levels(r);
 }
 
 /* Renders a pilot of camera paths alone with `samples` per pixel (a power of two), in as many
@@ -129,7 +129,7 @@ static uint32_t worthy_pilot(const mcv_renderer *r, double expected) {
     return begun + samples < all / 4 ? samples : 0;
 }
 
-mcv_result mcv_adapt(mcv_renderer *r, double error, bool *decided) {
+mcv_result mcv_adapt(mcv_renderer *r, double error) {
     mcv_film *film = r->film;
     const mcv_render_options *o = r->options;
     const bool is_known =
@@ -141,7 +141,7 @@ mcv_result mcv_adapt(mcv_renderer *r, double error, bool *decided) {
     bool stop = false;
     double gain = 0;
     if (samples == 0) return MCV_OK;
-    *decided = true;
+    r->decided = true;
     film->levels = malloc((size_t)film->width * film->height);
     if (!film->levels) return mcv_fail(r->error, MCV_FAILED, "no memory for the levels of pixels");
     mcv_result result = render_pilot(r, samples, &pilot, &stop);

@@ -65,6 +65,7 @@ static mcv_result open_scene(mcv_renderer *r, const mcv_scene *scene, uint32_t s
     mcv_packed *packed = &r->scene.packed;
     const mcv_feature_options choices = {.mixed = r->options->precision == MCV_PRECISION_MIXED,
                                          .no_light_paths = r->options->no_light_paths,
+                                         .records = r->options->records,
                                          .no_split = r->options->no_split};
     packed->features = mcv_decide_features(scene, packed, &scene->sensors[sensor], choices, NULL);
     mcv_feature_names(packed->features, r->stats->features, sizeof r->stats->features);
@@ -142,6 +143,34 @@ uint64_t mcv_next_round(uint64_t done, uint64_t least, double per_sample, double
     return count < least || (elapsed >= 0.8 * seconds && count < done / LEAST_GAIN) ? 0 : count;
 }
 
+/* Whether the samples so far are enough for the error, or for the caller. */
+static bool is_enough(const mcv_renderer *r, double error) {
+    const mcv_render_options *o = r->options;
+    /* An image that is black so far may have missed a small light, and its error estimate of 0 is
+     * not reliable. */
+    const uint64_t enough = mcv_film_mean(r->film) > 0 ? MCV_MIN_SAMPLES : MIN_SAMPLES_BLACK;
+    if (r->film->samples < enough) return false;
+    return (o->error > 0 && error <= o->error) || (o->enough && o->enough(o->user, r->film));
+}
+
+/* Adds the round that was rendered. */
+static mcv_result end_round(mcv_renderer *r) {
+    if (r->film->splats)
+        MCV_TRY(mcv_cl_read(&r->cl, r->scene.splats, 0, 8 * mcv_film_values(r->film),
+                            r->film->splats, r->error));
+    mcv_film_add(r->film, r->round, r->part.count);
+    return MCV_OK;
+}
+
+/* Decides what precedes a round; one that was resumed has begun already. */
+static mcv_result begin_round(mcv_renderer *r, double error) {
+    if (r->part.sums) return MCV_OK;
+    if (!r->decided) MCV_TRY(mcv_adapt(r, error));
+    if (r->film->samples == 0)
+        r->part = (mcv_round){.first = r->options->first, .count = first_round(r)};
+    return MCV_OK;
+}
+
 /*
  * Renders rounds of doubling length until the samples or the error are reached. A round is shorter
  * if a doubled one would exceed the time. Each begins at a multiple of its length, because the
@@ -149,40 +178,41 @@ uint64_t mcv_next_round(uint64_t done, uint64_t least, double per_sample, double
  */
 static mcv_result render_rounds(mcv_renderer *r) {
     const mcv_render_options *o = r->options;
-    double error = INFINITY;
-    bool stop = false, decided = !o->adaptive;
-    uint64_t next = o->first, count = first_round(r);
-    MCV_TRY(mcv_allocate_light(r));
+    double error = r->film->samples > 0 ? mcv_film_relative_error(r->film) : INFINITY;
+    bool stop = false;
     for (;;) {
-        if (!decided) MCV_TRY(mcv_adapt(r, error, &decided));
-        if (r->film->samples == 0) {
-            next = o->first;
-            count = first_round(r);
-        }
+        MCV_TRY(begin_round(r, error));
         const double round_begun = mcv_seconds();
-        MCV_TRY(mcv_render_pass(r, next, count, error, &stop));
+        MCV_TRY(mcv_render_pass(r, r->part.first, r->part.count, error, &stop));
         if (stop) return MCV_OK;
-        if (r->film->splats)
-            MCV_TRY(mcv_cl_read(&r->cl, r->scene.splats, 0, 8 * mcv_film_values(r->film),
-                                r->film->splats, r->error));
-        mcv_film_add(r->film, r->round, count);
-        next += count;
+        MCV_TRY(end_round(r));
+        const uint64_t next = r->part.first + r->part.count;
         if (o->last > 0 && next >= o->last) return MCV_OK;
         error = mcv_film_relative_error(r->film);
         const double seconds = mcv_seconds() - r->begun;
-        const double per_sample = fmax(0, mcv_seconds() - round_begun - r->warming) / (double)count;
+        const double per_sample =
+            fmax(0, mcv_seconds() - round_begun - r->warming) / (double)r->part.count;
         r->warming = 0;
-        /* An image that is black so far may have missed a small light, and its error estimate of 0
-         * is not reliable. */
-        const uint64_t enough = mcv_film_mean(r->film) > 0 ? MCV_MIN_SAMPLES : MIN_SAMPLES_BLACK;
-        if (o->error > 0 && r->film->samples >= enough && error <= o->error) return MCV_OK;
-        if (o->enough && r->film->samples >= enough && o->enough(o->user, r->film)) return MCV_OK;
-        count = mcv_next_round(r->film->samples, r->listed ? MCV_FIRST_ADAPTIVE : 1, per_sample,
-                               seconds, o->seconds);
-        if (count == 0) return MCV_OK;
-        if (r->stats->interrupted || next >= (r->listed ? MCV_MOST_ADAPTIVE : MCV_MOST_SAMPLES))
-            return MCV_OK;
+        if (is_enough(r, error)) return MCV_OK;
+        const uint64_t count = mcv_next_round(r->film->samples, r->listed ? MCV_FIRST_ADAPTIVE : 1,
+                                              per_sample, seconds, o->seconds);
+        r->part = (mcv_round){.first = next, .count = count};
+        if (count == 0 || next >= (r->listed ? MCV_MOST_ADAPTIVE : MCV_MOST_SAMPLES)) return MCV_OK;
+        if (r->stats->interrupted)
+            return mcv_save_is_due(r, true) ? mcv_save_unfinished(r) : MCV_OK;
     }
+}
+
+/* What precedes the rounds. */
+static mcv_result begin_samples(mcv_renderer *r) {
+    r->part = (mcv_round){0};
+    r->decided = !r->options->adaptive;
+    r->sampling_begun = mcv_seconds();
+    if (r->options->resume) return mcv_resume(r);
+    r->part.first = r->options->first;
+    r->part.count = first_round(r);
+    MCV_TRY(mcv_allocate_light(r));
+    return mcv_open_records(r);
 }
 
 mcv_result mcv_render_check_finite(const mcv_scene *scene, uint32_t sensor,
@@ -213,10 +243,10 @@ static mcv_result render(mcv_renderer *r, const mcv_scene *scene, uint32_t senso
                         height);
     MCV_TRY(open_renderer(r, scene, sensor));
     mcv_unlist_pixels(r);
-    MCV_TRY(mcv_show_early(r));
-    const double begun = mcv_seconds();
+    if (!options->resume) MCV_TRY(mcv_show_early(r));
+    MCV_TRY(begin_samples(r));
     const mcv_result result = render_rounds(r);
-    r->stats->seconds_render = mcv_seconds() - begun;
+    r->stats->seconds_render = mcv_seconds() - r->sampling_begun;
     r->stats->lost_energy =
         r->stats->paths > 0 ? r->stats->lost_energy / (double)r->stats->paths : 0;
     return result == MCV_OK ? mcv_render_check_finite(scene, sensor, r->stats, error) : result;
@@ -242,7 +272,10 @@ mcv_result mcv_renderer_render(mcv_renderer *r, const mcv_scene *scene, uint32_t
     const mcv_result result = render(r, scene, sensor);
     free(r->round);
     free(r->listed);
+    free(r->records);
     r->round = NULL;
+    r->records = NULL;
+    r->recording_sets = 0;
     r->listed = NULL;
     if (result == MCV_DEVICE || result == MCV_FAILED) { /* the data on the device is undefined */
         close_renderer(r);

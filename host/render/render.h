@@ -37,6 +37,20 @@ typedef bool mcv_enough(void *user, const mcv_film *film);
  * longer. */
 enum { MCV_ADAPTIVE_OFF, MCV_ADAPTIVE_ON, MCV_ADAPTIVE_AUTO };
 
+/*
+ * Takes the records of a launch (kernels/stage/record_light.h), MCV_RECORD_WORDS of the channels
+ * each, in any order. Another result than MCV_OK ends the render with it.
+ */
+typedef mcv_result mcv_records_told(void *user, const uint32_t *records, size_t count,
+                                    mcv_error *error);
+
+typedef struct mcv_record_sink {
+    mcv_records_told *take;
+    void *user;
+    size_t bytes; /* room for the records of a launch; 0: default. A launch that makes more is
+                     repeated in parts. */
+} mcv_record_sink;
+
 typedef struct mcv_render_options {
     uint32_t sampler;    /* MCV_SAMPLER_… */
     uint32_t replicates; /* 1 … 64, default 4 */
@@ -60,7 +74,12 @@ typedef struct mcv_render_options {
                                   done in a moment; may be NULL */
     mcv_enough *enough; /* called after each round from the fourth sample of each replicate on: true
                            ends the render; may be NULL */
+    const struct mcv_render_saving *saving; /* saves the unfinished render (render/unfinished.h); or
+                                               NULL */
+    const struct mcv_unfinished *resume;    /* go on with it; NULL: from the beginning */
     void *user;
+    const mcv_record_sink *records; /* or NULL; with it the film lacks light paths, whose light is
+                                       in the records alone */
 } mcv_render_options;
 
 mcv_render_options mcv_render_defaults(void);
@@ -76,6 +95,7 @@ typedef struct mcv_render_stats {
     uint64_t depth_cut; /* paths ended by the depth limit */
     double lost_energy; /* their throughput over that of all paths: the share of the light that may
                            be missing */
+    double throughput;  /* of all paths; of the reference renderer, else 0 */
     uint64_t nonfinite; /* samples dropped because they were not finite */
     uint64_t unmatched; /* exits from a medium that the path had not entered */
     uint64_t saturated; /* light paths that would exceed the range of a pixel's sum */

@@ -6,6 +6,7 @@
 #include "render/adaptive.h"
 #include "render/render.h"
 #include "render/schedule.h"
+#include "render/unfinished.h"
 
 enum {
     MCV_MAX_CLASSES = MCV_HIGHEST_LEVEL - MCV_LOWEST_LEVEL + 1,
@@ -20,7 +21,8 @@ enum {
 
 /* What a program is specialised for; the sizes of a schedule's buffers follow from it. */
 typedef struct mcv_program_key {
-    uint32_t features, channels, sensor_type, sampler, schedule, slice, depth;
+    uint64_t features;
+    uint32_t channels, sensor_type, sampler, schedule, slice, depth;
 } mcv_program_key;
 
 /* The pixels with 2^level times the samples; they are consecutive in the list. */
@@ -45,9 +47,15 @@ struct mcv_renderer {
     uint32_t *listed; /* the pixels by class; NULL: all in their order, one class */
     mcv_pixel_class classes[MCV_MAX_CLASSES];
     uint32_t class_count;
-    double begun;   /* start time */
-    double warming; /* seconds of the first launch beyond its stages, in which drivers finish
-                       compiling */
+    uint32_t *records;       /* of a launch, as read from the device */
+    uint32_t recording_sets; /* a launch had room for the records of so many sets; 0: of all */
+    mcv_round part;          /* where the image's round stands; its sums are `round` */
+    bool in_round; /* samples of the image are rendered: not those of a pilot or a picture */
+    bool decided;  /* about adaptive sampling */
+    double begun;  /* start time, earlier by what a resumed render took before */
+    double sampling_begun; /* the same for its samples */
+    double warming;        /* seconds of the first launch beyond its stages, in which drivers finish
+                              compiling */
     mcv_error *error;
 };
 
@@ -65,13 +73,37 @@ bool mcv_find_blocked_pixel(const mcv_film *film, uint32_t number, size_t *pixel
 mcv_result mcv_render_class(mcv_renderer *r, mcv_pixel_class class, uint64_t first, uint64_t count,
                             double done_before, bool *stop);
 
-/* Renders samples [first, first + count) of all pixels into r->round; count is a power of two. */
+/* Renders samples [first, first + count) of all pixels into r->round; count is a power of two. It
+ * goes on behind what is done of r->part. */
 mcv_result mcv_render_pass(mcv_renderer *r, uint64_t first, uint64_t count, double done_before,
                            bool *stop);
 
 /* The light paths of samples [first, first + count) of the first so many pixels, where camera paths
  * are launched without them. */
 mcv_result mcv_render_light(mcv_renderer *r, uint64_t pixels, uint64_t first, uint64_t count);
+
+/* records.c: nothing without options->records */
+
+/* Makes room for the records of a launch. From now on launches record. */
+mcv_result mcv_open_records(mcv_renderer *r);
+
+/* Before a launch: it has no records yet. */
+mcv_result mcv_clear_records(mcv_renderer *r);
+
+/* After a launch: gives its records to the options' sink. If they did not fit, the launch is
+ * repeated in parts. */
+mcv_result mcv_take_records(mcv_renderer *r);
+
+/* save.c */
+
+/* Whether the options ask to save the render now; `ending`: it ends here before it is done. */
+bool mcv_save_is_due(const mcv_renderer *r, bool ending);
+
+/* Saves the render, whose round stands as r->part says. */
+mcv_result mcv_save_unfinished(mcv_renderer *r);
+
+/* Goes on as options->resume says, before the first samples. */
+mcv_result mcv_resume(mcv_renderer *r);
 
 /* early_picture.c */
 
@@ -105,6 +137,9 @@ mcv_result mcv_list_pixels(mcv_renderer *r, uint32_t stride);
 /* Gives the device the first `count` of r->listed, and frames their numbers. */
 mcv_result mcv_upload_list(mcv_renderer *r, size_t count);
 
+/* Lists the pixels by the film's levels, for the random numbers that follow a pilot. */
+mcv_result mcv_begin_levels(mcv_renderer *r);
+
 /* All pixels in their order, in one class. */
 void mcv_unlist_pixels(mcv_renderer *r);
 
@@ -112,8 +147,8 @@ void mcv_unlist_pixels(mcv_renderer *r);
  * Decides about adaptive sampling once the number of samples can be predicted. It renders a pilot;
  * if adaptive sampling pays, it empties the film and starts again with other random numbers and
  * with levels of samples. Nothing that entered the decision is part of the image, so the image is
- * unbiased. *decided: the pilot was rendered.
+ * unbiased. r->decided: the pilot was rendered.
  */
-mcv_result mcv_adapt(mcv_renderer *r, double error, bool *decided);
+mcv_result mcv_adapt(mcv_renderer *r, double error);
 
 #endif

@@ -59,7 +59,7 @@ mcv_result mcv_schedule_open(mcv_cl *cl, const mcv_device_scene *scene, uint32_t
                              const mcv_render_options *options, mcv_schedule *schedule,
                              mcv_error *error) {
     mcv_schedule *s = schedule;
-    char defines[1024];
+    char defines[2048];
     const mcv_packed *packed = &scene->packed;
     memset(s, 0, sizeof *s);
     s->branches = mcv_path_branches(packed->features);
@@ -179,14 +179,6 @@ static mcv_result start_tile(mcv_schedule *s, const mcv_frame *frame, mcv_error 
                   MCV_SCENE_ARGUMENTS + 2, error);
 }
 
-static mcv_result zero(mcv_cl *cl, cl_mem buffer, size_t bytes, mcv_error *error) {
-    const cl_uint nothing = 0;
-    MCV_TRY_CL(
-        clEnqueueFillBuffer(cl->queue, buffer, &nothing, sizeof nothing, 0, bytes, 0, NULL, NULL),
-        error);
-    return MCV_OK;
-}
-
 static mcv_result launch_stage(mcv_schedule *s, uint32_t kernel, size_t items, mcv_error *error) {
     mcv_arg arguments[STREAM_ARGUMENTS];
     const cl_uint slots = s->capacity * s->branches;
@@ -213,10 +205,10 @@ static mcv_result launch_depth(mcv_schedule *s, size_t items, mcv_render_stats *
         MCV_TRY(launch_stage(s, MCV_KERNEL_intersect_shadow, items, error));
     }
     MCV_TRY(launch_stage(s, MCV_KERNEL_shade_surfaces, items, error));
-    MCV_TRY_CL(clEnqueueReadBuffer(s->cl->queue, s->lengths, CL_FALSE,
-                                   sizeof(cl_uint) * (depth + 1), sizeof(cl_uint),
-                                   &s->stream.living[asked], 0, NULL, &s->stream.answers[asked]),
-               error);
+    const cl_int code = clEnqueueReadBuffer(
+        s->cl->queue, s->lengths, CL_FALSE, sizeof(cl_uint) * (depth + 1), sizeof(cl_uint),
+        &s->stream.living[asked], 0, NULL, &s->stream.answers[asked]);
+    MCV_TRY(mcv_cl_check(s->cl, code, "reading from the device", error));
     ++s->stream.depth;
     if (s->stream.depth % MCV_TIMED_DEPTHS > 0) return MCV_OK;
     MCV_TRY(mcv_cl_finish(s->cl, error));
@@ -236,7 +228,8 @@ static mcv_result living_paths(mcv_schedule *s, cl_uint *living, mcv_error *erro
     const uint32_t most = s->stream.frame.path_count * s->branches;
     *living = most;
     if (s->stream.depth < MCV_DEPTHS_AHEAD) return MCV_OK;
-    MCV_TRY_CL(clWaitForEvents(1, &s->stream.answers[asked]), error);
+    MCV_TRY(mcv_cl_check(s->cl, clWaitForEvents(1, &s->stream.answers[asked]),
+                         "waiting for the device", error));
     clReleaseEvent(s->stream.answers[asked]);
     s->stream.answers[asked] = NULL;
     *living = s->stream.living[asked];
@@ -253,8 +246,8 @@ static mcv_result start_stream(mcv_schedule *s, const mcv_frame *frame, mcv_rend
     s->stream.frame = *frame;
     s->stream.depth = 0;
     s->counter_sets = 1;
-    MCV_TRY(zero(s->cl, s->lengths, 2 * sizeof(cl_uint) * (s->depth + 1), error));
-    MCV_TRY(zero(s->cl, s->counters, sizeof(cl_uint) * MCV_COUNTER_COUNT, error));
+    MCV_TRY(mcv_cl_clear(s->cl, s->lengths, 2 * sizeof(cl_uint) * (s->depth + 1), error));
+    MCV_TRY(mcv_cl_clear(s->cl, s->counters, sizeof(cl_uint) * MCV_COUNTER_COUNT, error));
     MCV_TRY(launch_stage(s, MCV_KERNEL_generate_rays, frame->path_count, error));
     while (s->stream.depth < frame->depth && s->stream.depth < MCV_DEPTHS_AHEAD)
         MCV_TRY(launch_depth(s, most_paths(s, frame->path_count, s->stream.depth), stats, error));
@@ -315,8 +308,8 @@ mcv_result mcv_schedule_start(mcv_schedule *schedule, const mcv_frame *frame,
     MCV_TRY(schedule->kind == MCV_SCHEDULE_TILE ? start_tile(schedule, frame, error)
                                                 : start_stream(schedule, frame, stats, error));
     if (!frame->listed) MCV_TRY(start_light(schedule, frame, error));
-    MCV_TRY_CL(clFlush(schedule->cl->queue), error);
-    return MCV_OK;
+    return mcv_cl_check(schedule->cl, clFlush(schedule->cl->queue), "starting the device's work",
+                        error);
 }
 
 mcv_result mcv_schedule_trace_light(mcv_schedule *schedule, const mcv_frame *frame,
@@ -325,7 +318,8 @@ mcv_result mcv_schedule_trace_light(mcv_schedule *schedule, const mcv_frame *fra
     s->counter_sets =
         s->kind == MCV_SCHEDULE_TILE ? (frame->path_count + s->slice - 1) / s->slice : 1;
     MCV_TRY(mcv_cl_write(s->cl, s->scene->frame, 0, sizeof *frame, frame, error));
-    MCV_TRY(zero(s->cl, s->counters, sizeof(cl_uint) * s->counter_sets * MCV_COUNTER_COUNT, error));
+    MCV_TRY(mcv_cl_clear(s->cl, s->counters, sizeof(cl_uint) * s->counter_sets * MCV_COUNTER_COUNT,
+                         error));
     MCV_TRY(start_light(s, frame, error));
     MCV_TRY(mcv_cl_finish(s->cl, error));
     MCV_TRY(add_counters(s, stats, error));

@@ -23,7 +23,7 @@ typedef struct tracer {
 
 static mcv_result open_tracer(tracer *t, const mcv_scene *scene, size_t ray_count,
                               const mcv_render_options *options, mcv_error *error) {
-    char defines[1024];
+    char defines[2048];
     MCV_TRY(mcv_cl_open(options->device, &t->cl, error));
     MCV_TRY(mcv_device_scene_begin(&t->cl, scene, options->threads, NULL, &t->scene, error));
     if (options->precision == MCV_PRECISION_MIXED) {

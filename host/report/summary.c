@@ -55,7 +55,7 @@ static json_t *stages(const mcv_summary *s) {
 mcv_result mcv_summary_json(const mcv_summary *s, char **text, mcv_error *error) {
     json_t *object = json_pack(
         "{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, "
-        "s:o, s:o, s:o, s:o, s:b, s:b}",
+        "s:o, s:o, s:o, s:o, s:b, s:b, s:o}",
         "scene", string(s->scene), "sensor", string(s->sensor), "image", string(s->image_path),
         "preview", string(s->preview_path), "device", string(s->stats.device), "features",
         words(s->stats.features), "width", integer(s->width), "height", integer(s->height),
@@ -64,7 +64,8 @@ mcv_result mcv_summary_json(const mcv_summary *s, char **text, mcv_error *error)
         "error", number(s->error), "mean", number(s->mean), "white", number(s->preview.white),
         "saturated", number(s->preview.saturated), "lost_energy", number(s->stats.lost_energy),
         "nonfinite", integer(s->stats.nonfinite), "unmatched", integer(s->stats.unmatched),
-        "interrupted", (int)s->stats.interrupted, "adaptive", (int)s->adaptive);
+        "interrupted", (int)s->stats.interrupted, "adaptive", (int)s->adaptive, "error_of_rest",
+        number(s->error_of_rest));
     *text = object ? json_dumps(object, JSON_REAL_PRECISION(12)) : NULL;
     json_decref(object);
     return *text ? MCV_OK : mcv_fail(error, MCV_FAILED, "no memory for the JSON summary");
@@ -99,7 +100,7 @@ static void print_losses(FILE *out, const mcv_render_stats *stats) {
 static void print_name(FILE *out, const char *before, const char *name, const char *after) {
     if (!name) return;
     fputs(before, out);
-    mcv_print_plain(out, name);
+    mcv_print_line(out, name);
     fputs(after, out);
 }
 
@@ -119,6 +120,9 @@ mcv_result mcv_summary_text(const mcv_summary *s, char **text, mcv_error *error)
         fprintf(out, "; %.2g %% of the pixels are above the preview's white of %.5g",
                 100 * s->preview.saturated, s->preview.white);
     fprintf(out, "\n");
+    if (isfinite(s->error) && s->error_of_rest < s->error / 2)
+        fprintf(out, "  without the %d %s of the largest error it is %.2g %%\n", MCV_FILM_WORST,
+                s->channels > 1 ? "values" : "pixels", 100 * s->error_of_rest);
     print_losses(out, &s->stats);
     print_name(out, "  ", s->image_path, "\n");
     print_name(out, "  ", s->preview_path, "\n");

@@ -20,6 +20,7 @@ typedef struct mcv_summary {
     double seconds_load, seconds_write;
     double seconds_first_picture; /* from the begin of the render to its first preview */
     double error, mean;           /* mcv_film_relative_error, mcv_film_mean */
+    double error_of_rest;         /* mcv_film_error_of_rest */
     mcv_preview preview;
 } mcv_summary;
 
@@ -28,7 +29,8 @@ typedef struct mcv_summary {
  * sensor, image, preview, device, features[], width, height, channels, replicates, samples,
  * adaptive, rays{paths, path, shadow, depth_cut}, seconds{load, build, compile, first_sample,
  * first_picture, render, write}, stages{name: seconds}, error, mean, white, saturated, lost_energy,
- * nonfinite, unmatched, interrupted.
+ * nonfinite, unmatched, interrupted,
+ * error_of_rest.
  */
 mcv_result mcv_summary_json(const mcv_summary *summary, char **text, mcv_error *error);
 

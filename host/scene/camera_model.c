@@ -55,12 +55,15 @@ mcv_result mcv_camera_model_of(const mcv_scene *scene, const mcv_sensor *sensor,
     const bool sharp = optics.magnification > 0;
     double focal[2], centre[2];
     *model = (mcv_camera_model){.telecentric = sensor->type == MCV_SENSOR_TELECENTRIC,
+                                .lens = mcv_sensor_lens_map(sensor),
+                                .film_distance = mcv_sensor_film_distance(sensor),
                                 .focused_depth = optics.focused_depth,
                                 .f_number = optics.f_number,
                                 .numerical_aperture = optics.numerical_aperture,
                                 .bits = NAN,
                                 .black_level = NAN,
                                 .gain = NAN};
+    mcv_lens_map_find_reach(&model->lens);
     mcv_sensor_film_size(sensor, &model->size[0], &model->size[1]);
     place(&sensor->to_world, model);
     for (int i = 0; i < 2; ++i) {
@@ -117,6 +120,19 @@ static void to_camera(const mcv_camera_model *model, const double world[3], doub
     }
 }
 
+/* What one pixel is of the film's distance. */
+static double slope_of_pixel(const mcv_camera_model *model, int axis) {
+    return model->pixel[axis] / model->film_distance;
+}
+
+/* The principal point. */
+static double centre_of(const mcv_camera_model *model, int axis) {
+    /* A (X, 1) = p / object_pixel + c: the centre is what is left of the last column. */
+    return model->telecentric
+               ? model->affine[4 * axis + 3] - model->translation[axis] / model->object_pixel[axis]
+               : model->k[3 * axis + 2];
+}
+
 bool mcv_camera_model_project(const mcv_camera_model *model, const double world[3],
                               double pixel[2]) {
     double p[3];
@@ -127,7 +143,13 @@ bool mcv_camera_model_project(const mcv_camera_model *model, const double world[
         pixel[i] = model->telecentric ? a[0] * world[0] + a[1] * world[1] + a[2] * world[2] + a[3]
                                       : model->k[4 * i] * p[i] / p[2] + model->k[3 * i + 2];
     }
-    return true;
+    if (!mcv_lens_map_is_used(&model->lens)) return true;
+    double u[2], film[2];
+    for (int i = 0; i < 2; ++i) u[i] = (pixel[i] - centre_of(model, i)) * slope_of_pixel(model, i);
+    const bool seen = mcv_lens_map_meet(&model->lens, u, film);
+    for (int i = 0; i < 2 && seen; ++i)
+        pixel[i] = film[i] / slope_of_pixel(model, i) + centre_of(model, i);
+    return seen;
 }
 
 double mcv_camera_model_depth(const mcv_camera_model *model, const double world[3]) {
@@ -143,16 +165,17 @@ void mcv_camera_model_scale(const mcv_camera_model *model, double depth, double 
 
 void mcv_camera_model_unproject(const mcv_camera_model *model, const double pixel[2], double depth,
                                 double world[3]) {
-    double p[3] = {0, 0, depth};
-    for (int i = 0; i < 2; ++i) {
-        /* A (X, 1) = p / object_pixel + c: the centre is what is left of the last column. */
-        const double centre =
-            model->telecentric
-                ? model->affine[4 * i + 3] - model->translation[i] / model->object_pixel[i]
-                : model->k[3 * i + 2];
-        p[i] = model->telecentric ? (pixel[i] - centre) * model->object_pixel[i]
-                                  : (pixel[i] - centre) / model->k[4 * i] * depth;
+    double p[3] = {0, 0, depth}, offset[2];
+    for (int i = 0; i < 2; ++i) offset[i] = pixel[i] - centre_of(model, i);
+    if (mcv_lens_map_is_used(&model->lens)) {
+        double u[2], stretch;
+        for (int i = 0; i < 2; ++i) offset[i] *= slope_of_pixel(model, i);
+        mcv_lens_map_look(&model->lens, offset, u, &stretch);
+        for (int i = 0; i < 2; ++i) offset[i] = u[i] / slope_of_pixel(model, i);
     }
+    for (int i = 0; i < 2; ++i)
+        p[i] = model->telecentric ? offset[i] * model->object_pixel[i]
+                                  : offset[i] / model->k[4 * i] * depth;
     for (int j = 0; j < 3; ++j) {
         world[j] = 0;
         for (int i = 0; i < 3; ++i)

@@ -16,6 +16,9 @@
  * k_yy c_y; 0 0 1] by rows; k_xx is the image distance over the width of a pixel telecentric:
  * (column, row) = A (X, 1), A of 2 x 4 by rows: the same at every depth
  *
+ * Tilt of the film and distortion come behind: with (u, v) the place less the centre, over h and
+ * the width and height of a pixel, the lens maps it (scene/lens_map.h), and back.
+ *
  * This is the chief ray, which goes through the middle of lens or stop: a point out of focus is
  * spread about its place. What is read out of the film (region, binning, principal point) is in it.
  * A light field camera is perspective: of its image of M·J x N·K pixels a macro pixel, J x K of
@@ -24,7 +27,10 @@
 #ifndef MCVISI_HOST_SCENE_CAMERA_MODEL_H
 #define MCVISI_HOST_SCENE_CAMERA_MODEL_H
 
+#include "scene/lens_map.h"
 #include "scene/scene.h"
+
+#include <jansson.h>
 
 /* The key of its text in PNG files, and the attribute's name in OpenEXR. */
 #define MCV_CAMERA_MODEL_KEY "mcvisi:cameraModel"
@@ -56,6 +62,8 @@ typedef struct mcv_camera_model {
     uint32_t macro[2];     /* pixels of a macro pixel; 1 of other cameras */
     double k[9];           /* perspective */
     double affine[8];      /* telecentric */
+    mcv_lens_map lens;     /* tilt of the film and distortion: K and A are without them */
+    double film_distance;  /* h, by which lengths on the film are divided for `lens` [m] */
     double rotation[9];    /* R, by rows: from the world to the camera */
     double translation[3]; /* t [m] */
     double pixel[2]; /* width and height of a pixel (binned: of all that make it; light field: of a
@@ -84,12 +92,12 @@ void mcv_camera_model_free(mcv_camera_model *model);
 bool mcv_camera_model_fit(mcv_camera_model *model, uint32_t width, uint32_t height);
 
 /* Column and row of a point of the world [m]; false where it does not lie before a perspective
- * camera. */
+ * camera, or where the lens's distortion folds back. */
 bool mcv_camera_model_project(const mcv_camera_model *model, const double world[3],
                               double pixel[2]);
 
 /* How deep a point lies along the camera's z [m], and how many pixels a metre across the axis has
- * there, along columns and rows. */
+ * there, along columns and rows; without tilt and distortion. */
 double mcv_camera_model_depth(const mcv_camera_model *model, const double world[3]);
 void mcv_camera_model_scale(const mcv_camera_model *model, double depth, double per_metre[2]);
 
@@ -106,6 +114,9 @@ mcv_result mcv_camera_model_node(const mcv_camera_model *model, const char *name
 /* As JSON, ASCII, on one line; the caller frees it. NULL without memory. Every number is read back
  * bit for bit. */
 char *mcv_camera_model_write(const mcv_camera_model *model);
+
+/* Puts tilt and distortion as a sensor's keys into an object, those that are not 0. */
+void mcv_camera_model_put_lens(const mcv_camera_model *model, json_t *object);
 
 /*
  * From such a text; *is_one tells whether it is one at all (headers hold other texts, too).

@@ -85,6 +85,48 @@ static void put_render_error(json_t *object, const mcv_render_error *e) {
     json_object_set_new(object, "renderError", render);
 }
 
+/* Members of "lens", each with its place; those of 0 are left out. kappa stands in 1/m². */
+enum { LENS_MEMBERS = 17 };
+typedef struct lens_member {
+    const char *key;
+    double value;
+} lens_member;
+
+static void list_lens(const mcv_lens_map *m, double distance, lens_member list[LENS_MEMBERS]) {
+    const lens_member members[LENS_MEMBERS] = {{"tilt", m->tilt},
+                                               {"tiltDirection", m->direction},
+                                               {"tiltX", m->tilt_xy[0]},
+                                               {"tiltY", m->tilt_xy[1]},
+                                               {"k1", m->k[0]},
+                                               {"k2", m->k[1]},
+                                               {"k3", m->k[2]},
+                                               {"k4", m->k[3]},
+                                               {"k5", m->k[4]},
+                                               {"k6", m->k[5]},
+                                               {"p1", m->p[0]},
+                                               {"p2", m->p[1]},
+                                               {"s1", m->s[0]},
+                                               {"s2", m->s[1]},
+                                               {"s3", m->s[2]},
+                                               {"s4", m->s[3]},
+                                               {"kappa", m->kappa / (distance * distance)}};
+    memcpy(list, members, sizeof members);
+}
+
+void mcv_camera_model_put_lens(const mcv_camera_model *model, json_t *object) {
+    lens_member list[LENS_MEMBERS];
+    list_lens(&model->lens, model->film_distance, list);
+    for (int i = 0; i < LENS_MEMBERS; ++i)
+        if (list[i].value != 0) put_number(object, list[i].key, list[i].value);
+}
+
+static void put_lens(json_t *object, const mcv_camera_model *model) {
+    json_t *lens = json_object();
+    put_number(lens, "filmDistance", model->film_distance);
+    mcv_camera_model_put_lens(model, lens);
+    json_object_set_new(object, "lens", lens);
+}
+
 char *mcv_camera_model_write(const mcv_camera_model *model) {
     json_t *object = json_object(), *nodes = json_array();
     json_object_set_new(object, "format", json_string(format));
@@ -99,6 +141,7 @@ char *mcv_camera_model_write(const mcv_camera_model *model) {
         put_matrix(object, "A", model->affine, 2, 4);
     else
         put_matrix(object, "K", model->k, 3, 3);
+    if (mcv_lens_map_is_used(&model->lens)) put_lens(object, model);
     put_matrix(object, "R", model->rotation, 3, 3);
     put_numbers(object, "t", model->translation, 3);
     put_numbers(object, "pixelSize", model->pixel, 2);
@@ -221,6 +264,37 @@ static mcv_result get_render_error(const json_t *object, mcv_render_error *out,
     return result;
 }
 
+static mcv_result get_lens(const json_t *object, mcv_camera_model *model,
+                           const mcv_json_path *where, mcv_error *error) {
+    const mcv_json_path here = mcv_json_path_key(where, "lens");
+    lens_member list[LENS_MEMBERS];
+    json_t *lens = NULL;
+    double n[LENS_MEMBERS];
+    mcv_lens_map *m = &model->lens;
+    *m = mcv_lens_map_none();
+    if (!json_object_get(object, "lens")) return MCV_OK;
+    MCV_TRY(mcv_json_object(object, "lens", &lens, where, error));
+    MCV_TRY(get_number(lens, "filmDistance", 0, &model->film_distance, &here, error));
+    if (!(model->film_distance > 0))
+        return mcv_fail_at(&here, error, "must have a filmDistance above 0");
+    list_lens(m, model->film_distance, list);
+    for (int i = 0; i < LENS_MEMBERS; ++i)
+        MCV_TRY(get_number(lens, list[i].key, 0, n + i, &here, error));
+    if (n[2] != 0 || n[3] != 0)
+        mcv_lens_map_tilt_xy(m, n[2], n[3]);
+    else if (n[0] != 0)
+        mcv_lens_map_tilt(m, n[0], n[1]);
+    memcpy(m->k, n + 4, sizeof m->k);
+    memcpy(m->p, n + 10, sizeof m->p);
+    memcpy(m->s, n + 12, sizeof m->s);
+    m->kappa = n[16] * model->film_distance * model->film_distance;
+    for (int i = 4; i < 16; ++i)
+        if (n[i] != 0) m->model = MCV_BROWN_CONRADY;
+    if (m->kappa != 0) m->model = MCV_DIVISION;
+    mcv_lens_map_find_reach(m);
+    return MCV_OK;
+}
+
 static mcv_result get_all(const json_t *object, mcv_camera_model *model, const mcv_json_path *where,
                           mcv_error *error) {
     const mcv_json_path kind_place = mcv_json_path_key(where, "model"),
@@ -233,6 +307,7 @@ static mcv_result get_all(const json_t *object, mcv_camera_model *model, const m
     if (!json_object_get(object, "size")) return mcv_fail_at(&size, error, "is missing");
     MCV_TRY(get_pair(object, "size", model->size, where, error));
     MCV_TRY(get_pair(object, "macroPixel", model->macro, where, error));
+    MCV_TRY(get_lens(object, model, where, error));
     MCV_TRY(get_matrix(object, "R", 3, 3, model->rotation, where, error));
     MCV_TRY(get_matrix(object, "t", 1, 3, model->translation, where, error));
     MCV_TRY(get_lengths(object, "pixelSize", model->pixel, where, error));

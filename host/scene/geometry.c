@@ -112,3 +112,20 @@ double mcv_scene_area(const mcv_scene *scene, uint32_t instance) {
     for (uint32_t t = 0; t < count; ++t) sum += mcv_scene_triangle_area(scene, instance, t);
     return sum;
 }
+
+/* Kernels multiply three lengths in float32, whose largest number is 3e38. */
+static const double largest_scene = 1e12;
+
+mcv_result mcv_scene_check_extent(const mcv_transform *to_world, const double reach[3],
+                                  const mcv_json_path *place, mcv_error *error) {
+    for (size_t i = 0; i < 3; ++i) {
+        double far = fabs(to_world->m[9 + i]);
+        for (size_t k = 0; k < 3; ++k) far += fabs(to_world->m[3 * i + k]) * reach[k];
+        if (!(far <= largest_scene))
+            return mcv_fail_at(place, error,
+                               "it reaches to %.3g m, but a scene may reach to %g m: is a scale or "
+                               "a length wrong?",
+                               far, largest_scene);
+    }
+    return MCV_OK;
+}

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* mcv_sensor_optics: the quantities of a datasheet. */
+#include "scene/lens_map.h"
 #include "scene/sensors.h"
 
 /* Width and height of the region that is read out, and the distance of the pixels at its edges from
@@ -46,6 +47,38 @@ static mcv_optics entocentric(double f, double b, double diameter, const image_a
         optics.field_angle[i] = field_angle(area, i, b);
     }
     return optics;
+}
+
+/* The depth in focus where the film lies at e times its distance on the axis; infinite where it is
+ * none. */
+static double depth_in_focus(const mcv_sensor *sensor, double e) {
+    if (sensor->type == MCV_SENSOR_TELECENTRIC) {
+        const double f = sensor->as.telecentric.focalLength;
+        return f * (1 + f / (mcv_sensor_film_distance(sensor) * e));
+    }
+    const double kappa =
+        mcv_kappa(sensor->as.thin_lens.focalLength, sensor->as.thin_lens.imageDistance * e);
+    return kappa > 0 ? 1 / kappa : INFINITY;
+}
+
+/* Scheimpflug: the plane in focus meets those of film and lens in one line. */
+static void tilt_plane_in_focus(const mcv_sensor *sensor, const image_area *area,
+                                mcv_optics *optics) {
+    const mcv_lens_map map = mcv_sensor_lens_map(sensor);
+    const double h = mcv_sensor_film_distance(sensor);
+    const double(*a)[3] = map.axes;
+    const double facing = a[0][0] * a[1][1] - a[0][1] * a[1][0];
+    optics->object_tilt = NAN;
+    for (int i = 0; i < 2; ++i) optics->plane_depths[i] = optics->focused_depth;
+    if (!map.tilted || !(optics->magnification > 0)) return;
+    optics->object_tilt = atan(sqrt(1 - facing * facing) / facing / optics->magnification);
+    for (int corner = 0; corner < 4; ++corner) {
+        const double x = corner & 1 ? area->edge[0][1] : -area->edge[0][0],
+                     y = corner & 2 ? area->edge[1][1] : -area->edge[1][0],
+                     depth = depth_in_focus(sensor, 1 + (x * a[0][2] + y * a[1][2]) / h);
+        optics->plane_depths[0] = fmin(optics->plane_depths[0], depth);
+        optics->plane_depths[1] = fmax(optics->plane_depths[1], depth);
+    }
 }
 
 mcv_optics mcv_sensor_optics(const mcv_sensor *sensor) {
@@ -100,5 +133,6 @@ mcv_optics mcv_sensor_optics(const mcv_sensor *sensor) {
         break;
     }
     }
+    tilt_plane_in_focus(sensor, &area, &optics);
     return optics;
 }

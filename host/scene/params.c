@@ -204,9 +204,7 @@ static const char *const other_names[][2] = {{"acrylic", "PMMA"},       {"plexig
                                              {"chrome", "chromium"}};
 
 /* The option that is probably meant, or NULL. Current glasses have the old names after "N-". */
-static const char *nearest_option(const char *text, const char *const *options) {
-    size_t count = 0;
-    while (options[count]) ++count;
+static const char *nearest_option(const char *text, const char *const *options, size_t count) {
     for (size_t i = 0; i < count; ++i)
         if (strncmp(options[i], "N-", 2) == 0 && strcasecmp(options[i] + 2, text) == 0)
             return options[i];
@@ -221,15 +219,17 @@ static mcv_result parse_choice(const mcv_param *param, const json_t *value, void
     const char *const *options = mcv_param_options(param->key);
     const char *text = json_string_value(value);
     char list[512] = "";
-    for (int i = 0; options[i]; ++i) {
+    const int first = (int)param->min, last = (int)param->max;
+    for (int i = first; i <= last; ++i) {
         if (text && strcmp(text, options[i]) == 0) {
             set(param, params, 0, i);
             return MCV_OK;
         }
-        snprintf(list + strlen(list), sizeof list - strlen(list), "%s\"%s\"", i ? " or " : "",
-                 options[i]);
+        snprintf(list + strlen(list), sizeof list - strlen(list), "%s\"%s\"",
+                 i > first ? " or " : "", options[i]);
     }
-    const char *nearest = text ? nearest_option(text, options) : NULL;
+    const char *nearest =
+        text ? nearest_option(text, options + first, (size_t)(last - first + 1)) : NULL;
     if (nearest)
         return mcv_fail_at(place, error, "\"%s\" must be %s: did you mean \"%s\"?", text, list,
                            nearest);

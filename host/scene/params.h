@@ -13,6 +13,7 @@
 
 /* MCVISI_pose (mcvisi/pose.h), and the entries of MCVISI_assets (mcvisi/asset.h). */
 mcv_param_table mcv_pose_table(void);
+mcv_param_table mcv_misalignment_table(void); /* mcvisi/misalignment.h */
 mcv_param_table mcv_asset_table(void);
 
 /*

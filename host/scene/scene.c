@@ -37,6 +37,8 @@ void mcv_scene_free(mcv_scene *scene) {
     free(scene->emitters);
     free(scene->sensors);
     for (uint32_t i = 0; i < scene->frame_count; ++i) free(scene->frames[i].name);
+    for (uint32_t i = 0; i < scene->defect_count; ++i) free(scene->defects[i].name);
+    free(scene->defects);
     free(scene->solids);
     free(scene->frames);
     free(scene->warnings);

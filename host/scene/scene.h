@@ -10,7 +10,7 @@
 #ifndef MCVISI_HOST_SCENE_SCENE_H
 #define MCVISI_HOST_SCENE_SCENE_H
 
-#include "core/error.h"
+#include "core/json_path.h"
 #include "scene/elements.h"
 #include "scene/transform.h"
 
@@ -57,6 +57,7 @@ typedef struct mcv_mesh {
     float *tangents; /* 4 per vertex: direction and the bitangent's sign; NULL if no material needs
                         them */
     uint32_t *indices; /* 3 per triangle */
+    double reach[3];   /* the largest absolute coordinates; set by the scene */
 } mcv_mesh;
 
 /* A placed mesh. Its triangles have the global indices first_triangle … first_triangle +
@@ -106,7 +107,24 @@ typedef struct mcv_placement {
     char *name;
     bool of_asset;
     mcv_transform to_world;
+    uint32_t instances[2]; /* those of the node and of the nodes below it: the first, and the one
+                              behind the last */
 } mcv_placement;
+
+/* A defect on the surface of a node (mcvisi/defects.h). The meshes have it already. */
+typedef struct mcv_defect {
+    char *name;
+    uint32_t type;                       /* MCV_DEFECT_… */
+    double size, depth, length, pile_up; /* length and pile-up 0 for those without */
+    int form;                            /* MCV_SHAPE_… or MCV_PROFILE_… */
+    double index;                        /* of a bubble; the step of a stria */
+    uint32_t tubes;                      /* of a stria */
+    uint32_t host,
+        material;          /* inside a body: its material, and that of an inclusion; or MCV_NONE */
+    uint32_t instances[2]; /* of its node, as in mcv_placement */
+    double centre[3];      /* on the surface as it was */
+    double axes[3][3];     /* u, v and the normal, unit, right-handed */
+} mcv_defect;
 
 /* An emitter with a surface belongs to exactly one instance, other emitters to none. */
 typedef struct mcv_emitter {
@@ -118,6 +136,7 @@ typedef struct mcv_emitter {
     double radiance[3]; /* from the parameter or from power [W/(m² sr)]; for some types an
                            irradiance [W/m²] or intensity [W/sr] */
     double area;        /* of the instance in the world [m²]; 0 without one */
+    bool by_pixel;      /* each pixel of its image is an element of its own (device/pack.h) */
     bool bare_angle;    /* its halfAngle or outerConeAngle was given as a number without a unit */
     mcv_transform
         to_world; /* without an instance: the node's rotation and translation; it emits along -z */
@@ -128,11 +147,19 @@ typedef struct mcv_emitter {
     } as;
 } mcv_emitter;
 
+/* How a sensor moves (mcvisi/motion.h), in the world; all 0: it stands still. */
+typedef struct mcv_sensor_motion {
+    double velocity[3];        /* [m/s] */
+    double axis[3], centre[3]; /* unit, [m] */
+    double rate;               /* [rad/s] */
+} mcv_sensor_motion;
+
 typedef struct mcv_sensor {
     char *name;
     uint32_t type;          /* MCV_SENSOR_… */
     mcv_transform to_world; /* rotation and translation of the node, scale removed; the sensor looks
                                along the node's -z, +y is up */
+    mcv_sensor_motion motion;
     union {
 #define MCV_X(name, key, NAME) mcv_##name##_params name;
         MCV_SENSORS(MCV_X)
@@ -140,8 +167,14 @@ typedef struct mcv_sensor {
     } as; /* resolved: the report's parameters are all set */
 } mcv_sensor;
 
+/* Bytes that a scene takes while it is loaded, and their limit; 0: none. */
+typedef struct mcv_memory {
+    uint64_t limit, files, images, geometry;
+} mcv_memory;
+
 typedef struct mcv_scene {
     char *path; /* of the file, for messages */
+    mcv_memory memory;
     uint32_t texture_count, material_count, mesh_count, instance_count, emitter_count, sensor_count;
     uint32_t triangle_count; /* of all instances */
     uint32_t solid_count;
@@ -154,6 +187,8 @@ typedef struct mcv_scene {
     mcv_solid *solids;
     mcv_placement *frames;
     uint32_t frame_count;
+    mcv_defect *defects;
+    uint32_t defect_count;
     double wavelengths[3]; /* of the channels [m]; 0: the defaults */
     uint64_t fingerprint;  /* of all files that were read, in their order */
     char **warnings;       /* sentences for the user */
@@ -165,6 +200,10 @@ void mcv_scene_free(mcv_scene *scene);
 
 /* An empty scene to add to. NULL without memory. */
 mcv_scene *mcv_scene_new(const char *path);
+
+/* Whether the corners of a box -reach … reach lie near enough for the kernels: within 1e12 m. */
+mcv_result mcv_scene_check_extent(const mcv_transform *to_world, const double reach[3],
+                                  const mcv_json_path *place, mcv_error *error);
 
 /*
  * Each copies its argument, arrays and names included, and appends it; the new element has the
@@ -191,6 +230,9 @@ mcv_result mcv_scene_add_frame(mcv_scene *scene, const char *name, bool of_asset
  * equal, one instance). */
 mcv_result mcv_scene_add_solid(mcv_scene *scene, const mcv_solid *solid, const char *name,
                                uint32_t body, uint32_t rim, mcv_error *error);
+/* Adds a defect to the list; the meshes stay as they are. MCV_FAILED without memory. */
+mcv_result mcv_scene_add_defect(mcv_scene *scene, const mcv_defect *defect, mcv_error *error);
+
 /* Adds a sentence to the scene's warnings. */
 mcv_result mcv_scene_warn(mcv_scene *scene, mcv_error *error, const char *format, ...)
     __attribute__((format(printf, 3, 4)));

@@ -167,6 +167,12 @@ mcv_result mcv_scene_add_material(mcv_scene *scene, const mcv_material *material
 
 mcv_result mcv_scene_take_mesh(mcv_scene *scene, mcv_mesh *mesh, mcv_error *error) {
     const mcv_json_path file = mcv_place_file(scene->path);
+    for (size_t i = 0; i < 3; ++i) mesh->reach[i] = 0;
+    for (size_t i = 0; i < mesh->vertex_count; ++i)
+        for (size_t k = 0; k < 3; ++k) {
+            const double far = fabs((double)mesh->positions[3 * i + k]);
+            if (far > mesh->reach[k]) mesh->reach[k] = far;
+        }
     if (append(&scene->meshes, &scene->mesh_count, mesh, sizeof *mesh)) return MCV_OK;
     mcv_mesh_free(mesh);
     return mcv_fail_memory(&file, error);
@@ -208,6 +214,8 @@ mcv_result mcv_scene_add_instance(mcv_scene *scene, const mcv_instance *instance
     for (int i = 0; i < 12; ++i)
         if (!isfinite(instance->to_world.m[i]))
             return mcv_fail_at(here, error, "its transform must be finite");
+    MCV_TRY(mcv_scene_check_extent(&instance->to_world, scene->meshes[instance->mesh].reach, here,
+                                   error));
     const uint32_t triangles = scene->meshes[instance->mesh].triangle_count;
     if (triangles > INT32_MAX - scene->triangle_count)
         return mcv_fail_at(here, error, "%u triangles and these %u are more than %d",
@@ -357,6 +365,16 @@ mcv_result mcv_scene_add_solid(mcv_scene *scene, const mcv_solid *solid, const c
                : mcv_fail_memory(here, error);
 }
 
+mcv_result mcv_scene_add_defect(mcv_scene *scene, const mcv_defect *defect, mcv_error *error) {
+    const mcv_json_path file = mcv_place_file(scene->path);
+    mcv_defect own = *defect;
+    if ((own.name = strdup(defect->name)) &&
+        append(&scene->defects, &scene->defect_count, &own, sizeof own))
+        return MCV_OK;
+    free(own.name);
+    return mcv_fail_memory(&file, error);
+}
+
 mcv_result mcv_scene_warn(mcv_scene *scene, mcv_error *error, const char *format, ...) {
     const mcv_json_path file = mcv_place_file(scene->path);
     char *text = NULL;
@@ -364,6 +382,8 @@ mcv_result mcv_scene_warn(mcv_scene *scene, mcv_error *error, const char *format
     va_start(arguments, format);
     const int length = vasprintf(&text, format, arguments);
     va_end(arguments);
+    for (char *c = text; length >= 0 && *c; ++c) /* a name may not begin a line of its own */
+        if (*c == '\n' || *c == '\r') *c = ' ';
     if (length >= 0 && append(&scene->warnings, &scene->warning_count, &text, sizeof text))
         return MCV_OK;
     if (length >= 0) free(text);

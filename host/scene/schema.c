@@ -1,14 +1,23 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "scene/schema.h"
 
+#include "scene/defect_params.h"
 #include "scene/params.h"
 #include "scene/pattern.h"
 #include "scene/surfaces.h"
 #include "scene/spectra.h"
 
-const char *const mcv_schema_names[] = {
-    "MCVISI_sensors", "MCVISI_emitters", "MCVISI_materials", "MCVISI_assets",
-    "MCVISI_pose",    "MCVISI_spectrum", "MCVISI_surfaces",  NULL};
+const char *const mcv_schema_names[] = {"MCVISI_sensors",
+                                        "MCVISI_emitters",
+                                        "MCVISI_materials",
+                                        "MCVISI_assets",
+                                        "MCVISI_pose",
+                                        "MCVISI_misalignment",
+                                        "MCVISI_spectrum",
+                                        "MCVISI_surfaces",
+                                        "MCVISI_defects",
+                                        "MCVISI_motion",
+                                        NULL};
 
 /* The schema of one number of a parameter. */
 static json_t *scalar_schema(const mcv_param *param) {
@@ -38,9 +47,10 @@ static json_t *param_schema(const mcv_param *param) {
     if (param->kind == MCV_PARAM_choice) {
         const char *const *options = mcv_param_options(param->key);
         json_t *list = json_array();
-        for (int i = 0; options[i]; ++i) json_array_append_new(list, json_string(options[i]));
+        for (int i = (int)param->min; i <= (int)param->max; ++i)
+            json_array_append_new(list, json_string(options[i]));
         json_object_set_new(schema, "enum", list);
-        json_object_set_new(schema, "default", json_string(options[0]));
+        json_object_set_new(schema, "default", json_string(options[(int)param->default_value]));
         return schema;
     }
     if (param->kind == MCV_PARAM_flag) {
@@ -83,8 +93,10 @@ static json_t *object_schema(json_t *properties, json_t *required, mcv_param_tab
         if (table.params[i].default_value == MCV_REQUIRED)
             json_array_append_new(required, json_string(table.params[i].key));
     }
-    return json_pack("{s:s, s:o, s:o}", "type", "object", "properties", properties, "required",
-                     required);
+    json_t *schema = json_pack("{s:s, s:o}", "type", "object", "properties", properties);
+    if (json_array_size(required) > 0) json_object_set(schema, "required", required);
+    json_decref(required);
+    return schema;
 }
 
 static json_t *element_schema(const char *type, mcv_param_table table) {
@@ -212,6 +224,74 @@ static json_t *indexed_schema(const char *key, const char *index, json_t *choice
                      "definitions", definitions);
 }
 
+static json_t *three_schema(const char *description, json_t *item) {
+    return json_pack("{s:s, s:s, s:o, s:i, s:i}", "description", description, "type", "array",
+                     "items", item, "minItems", 3, "maxItems", 3);
+}
+
+/* load_motion.c reads it. */
+static json_t *motion_schema(void) {
+    return json_pack(
+        "{s:s, s:{s:o, s:o, s:o, s:{s:s, s:s}}}", "type", "object", "properties", "velocity",
+        three_schema("in the world [m/s]", json_pack("{s:s}", "type", "number")), "axis",
+        three_schema("direction of the axis of turns, by the right-hand rule",
+                     json_pack("{s:s}", "type", "number")),
+        "centre", three_schema("a point of that axis [m]", json_pack("{s:s}", "type", "number")),
+        "rate", "description", "turns about the axis [rad/s]", "type", "number");
+}
+
+/* Places by chance. */
+static void add_chance(json_t *properties) {
+    json_object_set_new(properties, "count",
+                        json_pack("{s:s, s:s, s:i, s:i}", "description",
+                                  "so many in places by chance, in place of `at`", "type",
+                                  "integer", "minimum", 1, "maximum", 1000));
+    json_object_set_new(properties, "density",
+                        json_pack("{s:s, s:s, s:i}", "description",
+                                  "defects on a surface by chance, on average [1/m²]", "type",
+                                  "number", "minimum", 0));
+    json_object_set_new(properties, "seed",
+                        json_pack("{s:s, s:s, s:i, s:i}", "description", "of the places by chance",
+                                  "type", "integer", "minimum", 0, "default", 0));
+}
+
+/* The root array of defects; what they have in common stands beside their parameters. */
+static json_t *defects_schema(json_t *definitions) {
+    const mcv_param length = {MCV_PARAM_length, "at", 0, MCV_UNSET, -1e6, 1e6, ""};
+    json_t *choice = any_element(definitions, mcv_defect_types, MCV_DEFECT_COUNT, mcv_defect_table);
+    for (uint32_t type = 0; type < MCV_DEFECT_COUNT; ++type) {
+        json_t *one = json_object_get(definitions, mcv_defect_types[type]);
+        json_t *properties = json_object_get(one, "properties");
+        json_array_append_new(json_object_get(one, "required"), json_string("node"));
+        json_object_set_new(properties, "node",
+                            json_pack("{s:s, s:s}", "description",
+                                      "a node of the scene or of an asset, by name; the meshes of "
+                                      "the nodes below it are part of it",
+                                      "type", "string"));
+        json_object_set_new(properties, "at",
+                            three_schema("a point of the surface along the node's axes [m]",
+                                         scalar_schema(&length)));
+        json_object_set_new(
+            properties, "triangle",
+            json_pack("{s:s, s:s, s:i}", "description",
+                      "in place of `at`: a triangle of the node's meshes, by its number", "type",
+                      "integer", "minimum", 0));
+        json_object_set_new(properties, "barycentric",
+                            three_schema("where in the triangle; by default in its middle",
+                                         json_pack("{s:s, s:i}", "type", "number", "minimum", 0)));
+        add_chance(properties);
+        if (type == MCV_DEFECT_INCLUSION)
+            json_object_set_new(properties, "material",
+                                material_schema("a material of the file, by name or index"));
+        json_object_set_new(properties, "direction",
+                            three_schema("along the surface, in the node's axes; by default its x",
+                                         json_pack("{s:s}", "type", "number")));
+    }
+    return json_pack("{s:s, s:{s:{s:s, s:i, s:{s:o}}}, s:[s], s:o}", "type", "object", "properties",
+                     "defects", "type", "array", "minItems", 1, "items", "oneOf", choice,
+                     "required", "defects", "definitions", definitions);
+}
+
 mcv_result mcv_schema_write(FILE *stream, const char *name, mcv_error *error) {
     json_t *definitions = json_object(), *schema = NULL;
     if (strcmp(name, "MCVISI_sensors") == 0)
@@ -233,13 +313,18 @@ mcv_result mcv_schema_write(FILE *stream, const char *name, mcv_error *error) {
         schema = indexed_schema("assets", "asset", json_pack("[o]", asset_schema()), definitions);
     else if (strcmp(name, "MCVISI_pose") == 0)
         schema = pose_schema();
+    else if (strcmp(name, "MCVISI_misalignment") == 0)
+        schema = object_schema(json_object(), json_array(), mcv_misalignment_table());
     else if (strcmp(name, "MCVISI_spectrum") == 0)
         schema = spectrum_schema();
     else if (strcmp(name, "MCVISI_surfaces") == 0) {
         json_t *choice = any_element(definitions, mcv_body_types, MCV_BODY_COUNT, mcv_body_table);
         add_body_members(definitions);
         schema = indexed_schema("surfaces", "surface", choice, definitions);
-    }
+    } else if (strcmp(name, "MCVISI_defects") == 0)
+        schema = defects_schema(definitions);
+    else if (strcmp(name, "MCVISI_motion") == 0)
+        schema = motion_schema();
     if (!json_object_get(schema, "definitions")) json_decref(definitions);
     if (!schema) return mcv_fail(error, MCV_USAGE, "there is no schema of \"%s\"", name);
     json_t *document =

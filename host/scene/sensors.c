@@ -1,6 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "scene/sensors.h"
 
+#include "scene/aperture.h"
+#include "scene/lens_map.h"
+#include "scene/motion.h"
 #include "scene/params.h"
 
 /* --- what is read out --- */
@@ -105,6 +108,7 @@ void mcv_pinhole_prepare(const mcv_pinhole_params *params, mcv_pinhole *device) 
         .slope_x = (float)(readout.binning[0] * params->pixelSize[0] / params->imageDistance),
         .slope_y = (float)(readout.binning[1] * params->pixelSize[1] / params->imageDistance),
     };
+    mcv_distortion_prepare(&params->tilt, params->imageDistance, &device->distortion);
 }
 
 /* --- what agrees --- */
@@ -183,6 +187,9 @@ void mcv_thin_lens_prepare(const mcv_thin_lens_params *params, mcv_thin_lens *de
                                   params->imageDistance),
         .bend = (float)bend(params->falloff, params->focalLength),
     };
+    mcv_distortion_prepare(&params->tilt, params->imageDistance, &device->distortion);
+    mcv_aperture_prepare(&MCV_APERTURE_SHAPE_OF(params),
+                         params->radiometry == MCV_RADIOMETRY_IRRADIANCE, &device->aperture);
 }
 
 /* --- telecentric --- */
@@ -251,19 +258,36 @@ mcv_result mcv_telecentric_resolve(mcv_telecentric_params *p, const mcv_json_pat
     MCV_TRY(settle(&p->numericalAperture, p->stopDiameter / (2 * f), "numericalAperture", stop,
                    place, error));
     MCV_TRY(settle(&p->fNumber, (b - f) / p->stopDiameter, "fNumber", stop, place, error));
+    return MCV_OK;
+}
 
-    if (isnan(p->lensDiameter)) {
-        /* The whole film's field, about the axis; its diagonal where the principal point is in the
-         * middle. */
-        const mcv_readout readout = read_out(MCV_FILM(p));
+/* A lens that passes all that the whole film sees through the stop. */
+static void derive_lens_diameter(mcv_sensor *sensor) {
+    mcv_telecentric_params *p = &sensor->as.telecentric;
+    const mcv_readout readout = read_out(MCV_FILM(p));
+    const mcv_lens_map map = mcv_sensor_lens_map(sensor);
+    const double h = p->imageDistance - p->focalLength;
+    if (!mcv_lens_map_is_used(&map)) {
+        /* The field about the axis; its diagonal where the principal point is in the middle. */
         double corner[2];
         for (int i = 0; i < 2; ++i)
             corner[i] =
                 fmax(readout.centre[i], readout.film[i] - readout.centre[i]) * p->pixelSize[i];
         p->lensDiameter = 2 * hypot(corner[0], corner[1]) / p->magnification +
                           2 * p->workingDistance * p->numericalAperture;
+        return;
     }
-    return MCV_OK;
+    p->lensDiameter = 0;
+    for (int corner = 0; corner < 4; ++corner) {
+        double at[2], u[2], stretch;
+        for (int i = 0; i < 2; ++i)
+            at[i] = ((corner >> i & 1 ? readout.film[i] : 0) - readout.centre[i]) *
+                    readout.pitch[i] / h;
+        mcv_lens_map_look(&map, at, u, &stretch);
+        p->lensDiameter =
+            fmax(p->lensDiameter, 2 * p->focalLength * hypot(u[0], u[1]) +
+                                      p->stopDiameter * (1 + p->focalLength / (h * stretch)));
+    }
 }
 
 void mcv_telecentric_prepare(const mcv_telecentric_params *params, mcv_telecentric *device) {
@@ -281,6 +305,9 @@ void mcv_telecentric_prepare(const mcv_telecentric_params *params, mcv_telecentr
         .etendue = (float)etendue(params->radiometry, disk_area(params->stopDiameter), b - f),
         .bend = (float)bend(params->falloff, f),
     };
+    mcv_distortion_prepare(&params->tilt, b - f, &device->distortion);
+    mcv_aperture_prepare(&MCV_APERTURE_SHAPE_OF(params),
+                         params->radiometry == MCV_RADIOMETRY_IRRADIANCE, &device->aperture);
 }
 
 /* --- light field --- */
@@ -325,6 +352,11 @@ mcv_result mcv_sensor_resolve(mcv_sensor *sensor, const mcv_json_path *place, mc
         MCV_SENSORS(MCV_X)
 #undef MCV_X
     }
+    MCV_TRY(mcv_sensor_resolve_aperture(sensor, place, error));
+    MCV_TRY(mcv_sensor_resolve_exposure(sensor, place, error));
+    MCV_TRY(mcv_sensor_resolve_distortion(sensor, place, error));
+    if (sensor->type == MCV_SENSOR_TELECENTRIC && isnan(sensor->as.telecentric.lensDiameter))
+        derive_lens_diameter(sensor);
     /* Checks the derived values too. */
     return mcv_params_check(mcv_sensor_table(sensor->type), &sensor->as, place, error);
 }

@@ -63,6 +63,9 @@ typedef struct mcv_optics {
     double depth_of_field[2];  /* depths of the nearest and the farthest plane blurred by one pixel;
                                   may be infinite */
     double macro_pixel[2];     /* pitch of the macro pixels */
+    double object_tilt;     /* of the plane in focus against the lens, of a tilted film; else NaN */
+    double plane_depths[2]; /* least and largest depth in focus at the corners of what is read out;
+                               focused_depth of a film that is not tilted */
 } mcv_optics;
 mcv_optics mcv_sensor_optics(const mcv_sensor *sensor);
 

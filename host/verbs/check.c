@@ -5,10 +5,12 @@
 #include "check/setup_page.h"
 #include "core/output_file.h"
 #include "loader/load.h"
+#include "loader/memory.h"
 #include "render/render.h"
 #include "scene/geometry.h"
 #include "scene/sensor_find.h"
 #include "scene/sensors.h"
+#include "strict/strict.h"
 #include "verbs/check_report.h"
 
 #include <math.h>
@@ -98,6 +100,15 @@ static void report_findings(mcv_report *report, const mcv_findings *findings) {
     mcv_report_close(report);
 }
 
+static void report_memory(mcv_report *report, const mcv_memory *memory) {
+    mcv_report_open(report, "memory");
+    mcv_report_number(report, "files", "B", (double)memory->files);
+    mcv_report_number(report, "images", "B", (double)memory->images);
+    mcv_report_number(report, "geometry", "B", (double)memory->geometry);
+    mcv_report_number(report, "limit", "B", (double)memory->limit);
+    mcv_report_close(report);
+}
+
 static mcv_result report_all(const mcv_scene *scene, const mcv_packed *packed,
                              const mcv_feature_causes *causes, const mcv_command *command,
                              mcv_findings *findings, mcv_report *report, mcv_error *error) {
@@ -118,6 +129,7 @@ static mcv_result report_all(const mcv_scene *scene, const mcv_packed *packed,
         mcv_check_report_material(report, scene, i);
     mcv_report_close(report);
     report_work(report, packed, causes);
+    report_memory(report, &scene->memory);
     report_findings(report, findings);
     return MCV_OK;
 }
@@ -138,6 +150,27 @@ mcv_result mcv_check_pack(const mcv_command *command, const mcv_scene *scene, mc
             checked->packed.features =
                 mcv_decide_features(scene, &checked->packed, &scene->sensors[i],
                                     (mcv_feature_options){0}, &checked->causes);
+    return MCV_OK;
+}
+
+mcv_result mcv_check_strict(const mcv_command *command, const mcv_document *document,
+                            mcv_report *report, mcv_error *error) {
+    mcv_strict_findings findings;
+    const uint64_t most = command->memory > 0 ? (uint64_t)command->memory : mcv_memory_default();
+    MCV_TRY(mcv_strict_check_document(document->path, document->root, document->binary, most,
+                                      &findings, error));
+    mcv_report_text(report, "scene", document->path);
+    mcv_report_list(report, "strict");
+    for (size_t i = 0; i < findings.count; ++i) {
+        const mcv_strict_finding *finding = findings.items + i;
+        mcv_report_open(report, finding->code);
+        if (report->json) mcv_report_text(report, "code", finding->code);
+        mcv_report_text(report, "path", finding->pointer);
+        mcv_report_text(report, "text", finding->text);
+        mcv_report_close(report);
+    }
+    mcv_report_close(report);
+    mcv_strict_free(&findings);
     return MCV_OK;
 }
 

@@ -6,6 +6,7 @@
 #include "check/findings.h"
 #include "device/features.h"
 #include "device/pack.h"
+#include "loader/load.h"
 #include "options/command.h"
 #include "verbs/report.h"
 
@@ -23,6 +24,10 @@ mcv_result mcv_check_pack(const mcv_command *command, const mcv_scene *scene, mc
  * caller frees the text, also after failure. */
 mcv_result mcv_check_defines(const mcv_command *command, const mcv_scene *scene, char **text,
                              mcv_error *error);
+
+/* The findings of --strict: codes, JSON pointers and sentences, a list `strict`. */
+mcv_result mcv_check_strict(const mcv_command *command, const mcv_document *document,
+                            mcv_report *report, mcv_error *error);
 
 /* Tells what was understood of the scene, with the findings; draws the page of --html. */
 mcv_result mcv_check(const mcv_command *command, const mcv_scene *scene, mcv_report *report,

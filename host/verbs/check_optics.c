@@ -97,6 +97,9 @@ mcv_result mcv_check_report_sensor(mcv_report *report, const mcv_scene *scene, u
     mcv_report_open(report, "optics");
     mcv_report_number(report, "magnification", "", optics.magnification);
     mcv_report_number(report, "working_distance", "m", optics.focused_depth);
+    mcv_report_number(report, "tilt_of_plane_in_focus", "rad", optics.object_tilt);
+    if (isfinite(optics.object_tilt))
+        mcv_report_numbers(report, "depths_in_focus", "m", " to ", optics.plane_depths, 2);
     mcv_report_numbers(report, "depth_of_field", "m", " to ", optics.depth_of_field, 2);
     mcv_report_numbers(report, "field_of_view", "m", " x ", optics.field, 2);
     mcv_report_numbers(report, "angle_of_view", "rad", " x ", optics.field_angle, 2);

@@ -9,8 +9,8 @@
 
 enum { SLICE = 512 }; /* of the tile schedule, with the renderer's choice for paths that split */
 
-static void print_defines(FILE *out, uint32_t features, uint32_t channels, uint32_t sensor_type) {
-    char options[1024];
+static void print_defines(FILE *out, uint64_t features, uint32_t channels, uint32_t sensor_type) {
+    char options[2048];
     mcv_feature_defines(features, channels, sensor_type, MCV_SAMPLER_SOBOL, SLICE, options,
                         sizeof options);
     fprintf(out, "%s\n", options);
@@ -29,11 +29,11 @@ static mcv_result print_scene(FILE *out, const mcv_command *command, const mcv_s
 /* With all features that each type of sensor can have. A scene chooses emitters by reach or by a
  * light tree. */
 static void print_all(FILE *out) {
-    static const uint32_t choices[] = {1u << MCV_FEATURE_REACH, 1u << MCV_FEATURE_LIGHT_TREE};
+    static const uint64_t choices[] = {MCV_FEATURE_BIT(REACH), MCV_FEATURE_BIT(LIGHT_TREE)};
     for (uint32_t type = 0; type < MCV_SENSOR_COUNT; ++type) {
         const bool disk = type == MCV_SENSOR_THIN_LENS ||
                           type == MCV_SENSOR_TELECENTRIC; /* pupil guiding needs a round pupil */
-        const uint32_t all = disk ? MCV_ALL_FEATURES : MCV_ALL_FEATURES & ~(1u << MCV_FEATURE_AIM);
+        const uint64_t all = disk ? MCV_ALL_FEATURES : MCV_ALL_FEATURES & ~MCV_FEATURE_BIT(AIM);
         for (int other = 0; other < 2; ++other) print_defines(out, all & ~choices[other], 3, type);
     }
 }

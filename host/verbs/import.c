@@ -15,7 +15,7 @@ static mcv_result check(const char *from, const char *text, mcv_error *error) {
     mcv_error refusal;
     MCV_TRY(mcv_document_parse(from, text, strlen(text), &document, error));
     const mcv_result result =
-        mcv_scene_load_document(&document, (mcv_overrides){NULL, 0}, NULL, &scene, &refusal);
+        mcv_scene_load_document(&document, (mcv_overrides){NULL, 0}, 0, NULL, &scene, &refusal);
     mcv_scene_free(scene);
     mcv_document_free(&document);
     if (result == MCV_OK) return MCV_OK;
@@ -55,7 +55,7 @@ static void print_figure(FILE *out, const char *name, double value, double state
 
 static void print_lens(FILE *out, const mcv_lens_report *lens, const char *path) {
     if (path) {
-        mcv_print_plain(out, path);
+        mcv_print_line(out, path);
         fputc('\n', out);
     }
     print_figure(out, "focal length", lens->focal_length, lens->stated_focal_length, "", 1e-3,

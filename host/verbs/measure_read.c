@@ -9,6 +9,7 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 /* Takes over the model's information if the model belongs to the image. */
 static void take_model(mcv_subject *s, mcv_camera_model *model) {
@@ -160,6 +161,35 @@ mcv_result mcv_subject_subtract(mcv_subject *s, mcv_error *error) {
     return result;
 }
 
+/* Has the image the film of this sensor, with another number of pixels? Its header tells; both
+ * sides are products of the same three numbers, so that they differ by roundings alone. */
+static bool was_resized(const mcv_subject *s, const mcv_camera_model *scene) {
+    const mcv_camera_model *image = &s->model;
+    bool same = s->has_model && image->telecentric == scene->telecentric &&
+                memcmp(image->size, scene->size, sizeof image->size) != 0;
+    for (int i = 0; same && i < 2; ++i) {
+        const double a = image->pixel[i] * image->size[i] / image->macro[i],
+                     b = scene->pixel[i] * scene->size[i] / scene->macro[i];
+        same = image->macro[i] == scene->macro[i] && fabs(a - b) <= 1e-12 * b;
+    }
+    return same;
+}
+
+/* The model of the scene's sensor, with as many pixels as --resolution gave the image. */
+static mcv_result model_of_scene(const mcv_subject *s, const mcv_sensor *sensor,
+                                 mcv_camera_model *model, mcv_error *error) {
+    mcv_sensor resized = *sensor;
+    mcv_error none;
+    MCV_TRY(mcv_camera_model_of(s->scene, sensor, model, error));
+    if (!was_resized(s, model)) return MCV_OK;
+    const uint32_t size[2] = {s->model.size[0] / model->macro[0],
+                              s->model.size[1] / model->macro[1]};
+    /* A sensor with a region of interest cannot be: the sizes then have another reason. */
+    if (mcv_sensor_resize(&resized, size[0], size[1], s->scene, &none) != MCV_OK) return MCV_OK;
+    mcv_camera_model_free(model);
+    return mcv_camera_model_of(s->scene, &resized, model, error);
+}
+
 mcv_result mcv_subject_scale_by_scene(mcv_subject *s, mcv_error *error) {
     const mcv_command *c = s->command;
     uint32_t width, height;
@@ -169,13 +199,13 @@ mcv_result mcv_subject_scale_by_scene(mcv_subject *s, mcv_error *error) {
     if (c->sensor) MCV_TRY(mcv_sensor_find(s->scene, c->sensor, &s->sensor, error));
     const mcv_sensor *sensor = s->scene->sensors + s->sensor;
     mcv_sensor_film_size(sensor, &width, &height);
-    MCV_TRY(mcv_camera_model_of(s->scene, sensor, &model, error));
+    MCV_TRY(model_of_scene(s, sensor, &model, error));
     take_model(s, &model);
     if (!s->has_model)
         return mcv_fail(
             error, MCV_BAD_INPUT,
-            "%s has %u x %u pixels, but sensor %s of %s %u x %u: take an image rendered "
-            "from the scene without --resolution",
+            "%s has %u x %u pixels, but sensor %s of %s %u x %u, and no header tells that "
+            "--resolution changed them: take an image of this sensor",
             s->picture->path, s->readings.values.width, s->readings.values.height, sensor->name,
             s->scene->path, width, height);
     if (!(mcv_sensor_optics(sensor).magnification > 0))

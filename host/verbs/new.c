@@ -79,7 +79,7 @@ static void print_light(FILE *out, const mcv_rig_light *light) {
 }
 
 static void print_choice(FILE *out, const mcv_rig_design *r, const char *path) {
-    mcv_print_plain(out, path ? path : mcv_rig_kinds[r->wishes.kind]);
+    mcv_print_line(out, path ? path : mcv_rig_kinds[r->wishes.kind]);
     fprintf(out, "\n  part            %s x %s x %s, %u triangles\n", length(r->across[0]),
             length(r->across[1]), length(r->depth), r->triangles);
     if (r->wishes.kind == MCV_RIG_TELECENTRIC)

@@ -5,12 +5,14 @@
 #include "scene/sensor_find.h"
 #include "core/basics.h"
 #include "core/output_file.h"
+#include "io/exr_header.h"
 #include "scene/sensors.h"
 
 #include <ctype.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 /* --- names --- */
 
@@ -58,6 +60,15 @@ mcv_result mcv_render_files_plan(const mcv_command *command, const mcv_scene *sc
     else
         MCV_TRY(make_path(files->png, files->exr, NULL, ".png", error));
 
+    files->film[0] = '\0';
+    if (!command->checkpoint)
+        MCV_TRY(make_path(files->film, files->exr, NULL, ".checkpoint", error));
+    else if (strcmp(command->checkpoint, "off") != 0)
+        MCV_TRY(make_path(files->film, command->checkpoint, suffix, NULL, error));
+
+    files->part[0] = '\0';
+    if (command->part) MCV_TRY(make_path(files->part, command->part, suffix, NULL, error));
+
     files->grey[0] = '\0';
     if (command->camera) {
         MCV_TRY(make_path(files->grey, command->camera, suffix, NULL, error));
@@ -70,8 +81,14 @@ mcv_result mcv_render_files_plan(const mcv_command *command, const mcv_scene *sc
                             "or --expose-to",
                             scene->path, label, label);
     }
-    const char *const paths[] = {files->exr, files->png, files->grey};
-    for (int i = 0; i < (command->camera ? 3 : 2); ++i) {
+    const char *const paths[] = {files->exr, files->png, files->grey, files->film, files->part};
+    for (int i = 0; i < 5; ++i) {
+        if (!paths[i][0]) continue;
+        for (int j = 0; i >= 3 && j < i; ++j)
+            if (strcmp(paths[i], paths[j]) == 0)
+                return mcv_fail(error, MCV_USAGE,
+                                "%s would be two files: give --checkpoint and --film other names",
+                                paths[i]);
         if (mcv_same_file(paths[i], scene->path))
             return mcv_fail(error, MCV_USAGE, "%s is the scene: give the image another name",
                             paths[i]);
@@ -122,6 +139,33 @@ mcv_result mcv_render_sensors(const mcv_command *command, mcv_scene *scene, uint
 }
 
 /* --- what is written --- */
+
+bool mcv_render_files_finished(const mcv_render_files *files) {
+    mcv_exr_header header;
+    mcv_error ignored;
+    uint8_t *bytes;
+    size_t size;
+    bool finished = true;
+    if (access(files->exr, F_OK) != 0 ||
+        mcv_file_load(files->exr, &bytes, &size, &ignored) != MCV_OK)
+        return false;
+    if (mcv_exr_header_read(files->exr, bytes, size, &header, &ignored) == MCV_OK) {
+        for (uint32_t i = 0; i < header.attribute_count; ++i)
+            finished = finished && strcmp(header.attributes[i].name, MCV_PICTURE_INTERRUPTED) != 0;
+        mcv_exr_header_free(&header);
+    }
+    free(bytes);
+    return finished;
+}
+
+mcv_result mcv_render_files_rename(const mcv_render_files *files, mcv_render_files *others,
+                                   mcv_error *error) {
+    *others = *files;
+    MCV_TRY(make_path(others->exr, files->exr, "interrupted", NULL, error));
+    MCV_TRY(make_path(others->png, files->png, "interrupted", NULL, error));
+    if (files->grey[0]) MCV_TRY(make_path(others->grey, files->grey, "interrupted", NULL, error));
+    return MCV_OK;
+}
 
 mcv_result mcv_render_files_write(const mcv_render_files *files, const mcv_rendered *rendered,
                                   mcv_preview *preview, mcv_error *error) {

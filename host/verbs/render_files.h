@@ -13,6 +13,8 @@
 typedef struct mcv_render_files {
     char exr[PATH_MAX], png[PATH_MAX];
     char grey[PATH_MAX]; /* of --camera, or "" */
+    char film[PATH_MAX]; /* the checkpoint, or "" */
+    char part[PATH_MAX]; /* of --film, or "" */
 } mcv_render_files;
 
 /* Which sensors the options ask for, with the pixels of --resolution; MCV_USAGE for an exposure
@@ -33,6 +35,14 @@ mcv_result mcv_render_files_plan(const mcv_command *command, const mcv_scene *sc
  * later. */
 mcv_result mcv_render_files_check(const mcv_command *command, const mcv_scene *scene,
                                   uint32_t first, uint32_t count, mcv_error *error);
+
+/* Whether a finished image lies under the name of this one: an interrupted one must not replace it.
+ */
+bool mcv_render_files_finished(const mcv_render_files *files);
+
+/* Other names for the files of an interrupted render, with -interrupted before their endings. */
+mcv_result mcv_render_files_rename(const mcv_render_files *files, mcv_render_files *others,
+                                   mcv_error *error);
 
 /* Writes the image and the preview, and returns the preview's white level. */
 mcv_result mcv_render_files_write(const mcv_render_files *files, const mcv_rendered *rendered,

@@ -22,6 +22,9 @@ mcv_result mcv_render_options_read(const mcv_command *command, mcv_render_option
     if (command->spp && command->samples[1])
         return mcv_fail(error, MCV_USAGE,
                         "--spp and --samples both set the number of samples: give one of them");
+    if (command->part && !command->samples[1])
+        return mcv_fail(error, MCV_USAGE,
+                        "--film is for parts of a render: give their samples by --samples A:B");
     if (command->error > 0 && command->replicates < 2)
         return mcv_fail(
             error, MCV_USAGE,

@@ -46,8 +46,7 @@ static mcv_result add_samples(const mcv_film *film, mcv_exr *exr, mcv_error *err
     return mcv_exr_add_part(exr, "samples", image, NULL, error);
 }
 
-static mcv_result add_parts(const mcv_rendered *r, mcv_exr *exr, mcv_error *error) {
-    const mcv_film *film = r->film;
+mcv_result mcv_film_parts(const mcv_film *film, bool replicates, mcv_exr *exr, mcv_error *error) {
     mcv_image mean, deviation = {0};
     /* One replicate has no spread, so its error is not known. */
     const bool several = film->replicates > 1;
@@ -56,10 +55,14 @@ static mcv_result add_parts(const mcv_rendered *r, mcv_exr *exr, mcv_error *erro
     if (added != MCV_OK) mcv_image_free(&deviation);
     MCV_TRY(added);
     if (several) MCV_TRY(mcv_exr_add_part(exr, "error", deviation, NULL, error));
-    MCV_TRY(mcv_header_describe(r->scene, r->sensor, &exr->parts[0].image, error));
-    for (uint32_t k = 0; k < film->replicates && several && r->replicates; ++k)
+    for (uint32_t k = 0; k < film->replicates && several && replicates; ++k)
         MCV_TRY(add_replicate(film, k, exr, error));
     return film->levels ? add_samples(film, exr, error) : MCV_OK;
+}
+
+static mcv_result add_parts(const mcv_rendered *r, mcv_exr *exr, mcv_error *error) {
+    MCV_TRY(mcv_film_parts(r->film, r->replicates, exr, error));
+    return mcv_header_describe(r->scene, r->sensor, &exr->parts[0].image, error);
 }
 
 /* --- attributes --- */
@@ -121,7 +124,9 @@ static mcv_result add_attributes(const mcv_rendered *r, mcv_exr *exr, const char
         number_attribute("mcvisi:seconds", stats->seconds_render),
         text_attribute(MCV_CAMERA_MODEL_KEY, exr->parts[0].image.description),
     };
+    const mcv_attribute interrupted = number_attribute(MCV_PICTURE_INTERRUPTED, 1);
     MCV_TRY(mcv_exr_set_attributes(exr, general, sizeof general / sizeof general[0], error));
+    if (stats->interrupted) MCV_TRY(mcv_exr_set_attributes(exr, &interrupted, 1, error));
     const uint32_t count = mcv_header_attributes(sensor, parameters, names);
     return mcv_exr_set_attributes(exr, parameters, count, error);
 }

@@ -11,6 +11,9 @@
 /* Name of the part with a replicate's means. */
 #define MCV_PICTURE_REPLICATE "replicate %u"
 
+/* Attribute of an image whose render was interrupted: 1. */
+#define MCV_PICTURE_INTERRUPTED "mcvisi:interrupted"
+
 /* What to render: --spp, --error, --time …; 1 % or 60 s where none of them is given. */
 mcv_result mcv_render_options_read(const mcv_command *command, mcv_render_options *options,
                                    mcv_error *error);
@@ -26,6 +29,10 @@ typedef struct mcv_rendered {
     uint64_t hash;     /* FNV-1a of the document */
     bool replicates;   /* a part with the means of each */
 } mcv_rendered;
+
+/* The parts image and error (of two replicates or more), with `replicates` also each of them, and
+ * the samples of adaptive sampling. On failure `exr` is to be freed. */
+mcv_result mcv_film_parts(const mcv_film *film, bool replicates, mcv_exr *exr, mcv_error *error);
 
 /* "irradiance" or "radiance", and their units. */
 const char *mcv_rendered_quantity(const mcv_scene *scene, uint32_t sensor);

@@ -2,6 +2,7 @@
 #include "verbs/report.h"
 
 #include "core/basics.h"
+#include "core/json.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -28,8 +29,8 @@ void mcv_report_tell(mcv_report *report, const char *severity, const char *text)
     if (report->told)
         report->told(severity, text);
     else
-        json_array_append_new(report->notes,
-                              json_pack("{s:s, s:s}", "severity", severity, "text", text));
+        json_array_append_new(report->notes, json_pack("{s:s, s:o}", "severity", severity, "text",
+                                                       mcv_json_text(text)));
 }
 
 mcv_result mcv_report_end(mcv_report *report, mcv_error *error) {
@@ -48,7 +49,7 @@ static char *take_text(mcv_report *report) {
     size_t size = 0, i;
     const json_t *note;
     FILE *out = open_memstream(&text, &size);
-    if (fclose(report->out) != 0 || !out) {
+    if (fclose(report->out) != 0 || !out || !report->text) {
         if (out) fclose(out);
         free(text);
         text = NULL;
@@ -73,7 +74,9 @@ mcv_result mcv_report_take(mcv_report *report, char **text, mcv_error *error) {
     } else {
         if (json_array_size(report->notes) > 0)
             json_object_set(report->open[0], "notes", report->notes);
-        *text = json_dumps(report->open[0], JSON_COMPACT | JSON_REAL_PRECISION(17));
+        *text = report->failed
+                    ? NULL
+                    : json_dumps(report->open[0], JSON_COMPACT | JSON_REAL_PRECISION(17));
     }
     mcv_report_free(report);
     return *text ? MCV_OK : mcv_fail(error, MCV_FAILED, "no memory for the report");
@@ -87,13 +90,14 @@ void mcv_report_free(mcv_report *report) {
     *report = (mcv_report){.json = report->json};
 }
 
-/* Puts a value (owned) into the innermost object or list. */
-static void put(mcv_report *report, const char *key, json_t *value) {
+/* Puts a value (owned) into the innermost object or list; false without memory, which
+ * mcv_report_take tells. */
+static bool put(mcv_report *report, const char *key, json_t *value) {
     json_t *into = report->open[report->depth];
-    if (json_is_array(into))
-        json_array_append_new(into, value);
-    else
-        json_object_set_new(into, key, value);
+    const bool done = (json_is_array(into) ? json_array_append_new(into, value)
+                                           : json_object_set_new(into, key, value)) == 0;
+    report->failed = report->failed || !done;
+    return done;
 }
 
 void mcv_report_value(mcv_report *report, const char *key, json_t *value) {
@@ -104,8 +108,8 @@ void mcv_report_value(mcv_report *report, const char *key, json_t *value) {
 }
 
 static void enter(mcv_report *report, const char *key, json_t *value) {
-    if (report->json) put(report, key, value);
-    report->open[++report->depth] = value;
+    const bool done = !report->json || put(report, key, value);
+    report->open[++report->depth] = done ? value : NULL;
 }
 
 void mcv_report_open(mcv_report *report, const char *key) {
@@ -121,7 +125,7 @@ void mcv_report_list(mcv_report *report, const char *key) {
 void mcv_report_element(mcv_report *report, const char *name, const char *type) {
     if (!report->json) {
         fprintf(report->out, "%*s", 2 * report->depth, "");
-        mcv_print_plain(report->out, name);
+        mcv_print_line(report->out, name);
         fprintf(report->out, "%s%s\n", name[0] ? ": " : "", type);
     }
     enter(report, NULL, report->json ? json_object() : NULL);
@@ -140,11 +144,10 @@ static void print_label(const mcv_report *report, const char *key) {
 
 void mcv_report_text(mcv_report *report, const char *key, const char *text) {
     if (report->json) {
-        json_t *value = json_string(text);
-        put(report, key, value ? value : json_null()); /* not UTF-8 */
+        put(report, key, mcv_json_text(text));
     } else {
         print_label(report, key);
-        mcv_print_plain(report->out, text);
+        mcv_print_line(report->out, text);
         fputc('\n', report->out);
     }
 }

@@ -21,6 +21,7 @@ typedef struct mcv_report {
     json_t *open[MCV_REPORT_DEPTH]; /* objects and arrays, the innermost last; NULL for people */
     int depth;
     bool json;
+    bool failed;           /* a value had no memory */
     mcv_report_told *told; /* NULL: such sentences are kept as notes */
     json_t *notes;
     FILE *out;  /* for people; where it is kept: */

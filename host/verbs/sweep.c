@@ -2,14 +2,33 @@
 #include "verbs/sweep.h"
 
 #include "analysis/metrics.h"
+#include "core/json.h"
 #include "reference/reference.h"
 #include "verbs/grey_picture.h"
 #include "verbs/places.h"
 #include "verbs/render_picture.h"
+#include "verbs/sweep_split.h"
 
+#include <ctype.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+
+/* "I/N" of --range. */
+static mcv_result read_share(const char *text, size_t share[2], mcv_error *error) {
+    unsigned long long part, parts;
+    char rest;
+    share[0] = share[1] = 0;
+    if (!text) return MCV_OK;
+    if (sscanf(text, "%llu/%llu%c", &part, &parts, &rest) != 2 ||
+        !isdigit((unsigned char)text[0]) || part >= parts || parts > 1000000)
+        return mcv_fail(error, MCV_USAGE,
+                        "--range %s: must be I/N with I from 0 to N - 1, as in 0/8", text);
+    share[0] = (size_t)part;
+    share[1] = (size_t)parts;
+    return MCV_OK;
+}
 
 mcv_result mcv_sweep_experiment(const mcv_command *c, mcv_experiment *experiment,
                                 mcv_error *error) {
@@ -31,13 +50,19 @@ mcv_result mcv_sweep_experiment(const mcv_command *c, mcv_experiment *experiment
                                        .channel = c->channel,
                                        .in_gradient = c->in != 0,
                                        .form = c->form ? MCV_EMD_MASS : MCV_EMD_NORMALIZED,
-                                       .threads = (uint32_t)c->threads},
+                                       .threads = (uint32_t)c->threads,
+                                       .allow_exec = c->allow_exec,
+                                       .exposures = (size_t)c->exposures,
+                                       .exec_time = c->exec_time,
+                                       .validate = c->validate},
                          .render_with = mcv_wants_reference(c) ? mcv_reference_render : NULL,
+                         .own_noise = c->set_noise != 0,
                          .images = c->images,
                          .title = c->title,
                          .note = c->note,
                          .resume = c->resume,
                          .force = c->again};
+    MCV_TRY(read_share(c->share, experiment->share, error));
     if (c->resume && c->again)
         return mcv_fail(error, MCV_USAGE, "--force begins the table again: leave out --resume");
     return mcv_render_options_read(c, &experiment->render, error);
@@ -45,7 +70,7 @@ mcv_result mcv_sweep_experiment(const mcv_command *c, mcv_experiment *experiment
 
 json_t *mcv_sweep_settings(const mcv_command *command) {
     static const char *const without[] = {"output",  "images",   "resume", "force", "device",
-                                          "threads", "schedule", "json",   NULL};
+                                          "threads", "schedule", "memory", "json",  NULL};
     json_t *settings = mcv_command_json(command, without);
     if (settings && command->noise_free) json_object_set_new(settings, "noise-free", json_true());
     return settings;
@@ -102,7 +127,7 @@ mcv_result mcv_sweep_json(const mcv_sweep *s, double spent, char **text, mcv_err
     const mcv_table *table = &s->table;
     json_t *document = json_object();
     if (table->path[0]) {
-        json_object_set_new(document, "table", json_string(table->path));
+        json_object_set_new(document, "table", mcv_json_text(table->path));
         json_object_set_new(document, "page", json_string(table->page));
         json_object_set_new(document, "experiment", json_string(table->sidecar));
     }
@@ -110,14 +135,17 @@ mcv_result mcv_sweep_json(const mcv_sweep *s, double spent, char **text, mcv_err
     json_object_set_new(document, "failed", json_integer((json_int_t)mcv_table_failed(table)));
     json_object_set_new(document, "seconds", json_real(spent));
     json_object_set_new(document, "stage_seconds", json_real(s->stage_seconds));
+    json_object_set_new(document, "renders", json_integer((json_int_t)s->renders));
     json_object_set_new(document, "assets_read",
                         json_integer((json_int_t)mcv_asset_cache_reads(s->assets)));
     json_object_set_new(document, "structures_built", json_integer((json_int_t)s->built));
     json_object_set_new(document, "programs_built", json_integer((json_int_t)s->compiled));
     json_object_set_new(document, "metrics", extremes_json(s));
     json_object_set_new(document, "fingerprint", json_string(s->fingerprint));
-    *text = json_dumps(document, JSON_COMPACT);
+    const mcv_result result = mcv_sweep_split_json(s, document, error);
+    *text = result == MCV_OK ? json_dumps(document, JSON_COMPACT) : NULL;
     json_decref(document);
+    MCV_TRY(result);
     return *text ? MCV_OK : mcv_fail(error, MCV_FAILED, "no memory for the report");
 }
 

@@ -46,6 +46,9 @@
     X(EARLY_ROULETTE, "early-roulette", \
       "next-event estimation samples all light: later vertices contribute little, so Russian " \
       "roulette ends paths earlier") \
+    X(MOTION, "motion", "the sensor moves, or its rows are exposed in turn") \
+    X(APERTURE, "aperture", "the sensor's aperture is no full disc") \
+    X(DISTORTION, "distortion", "the sensor's film is tilted, or its lens distorts") \
     X(AIM, "aim", \
       "pupil guiding: the cone of a parallel emitter is narrower than the sensor's pupil") \
     X(LIGHT_TRACING, "light-tracing", \
@@ -53,7 +56,8 @@
       "smooth surfaces") \
     X(MIXED, "mixed", \
       "--precision mixed: hits on smooth surfaces and directions behind them are computed in " \
-      "double")
+      "double") \
+    X(RECORDS, "records", "what each element of an emitter brings is recorded")
 
 enum {
 #define MCV_X(NAME, word, why) MCV_FEATURE_##NAME,
@@ -61,7 +65,9 @@ enum {
 #undef MCV_X
         MCV_FEATURE_COUNT
 };
-#define MCV_ALL_FEATURES (0xffffffffu >> (32 - MCV_FEATURE_COUNT))
+/* A set of features is a uint64_t, bit MCV_FEATURE_…. */
+#define MCV_FEATURE_BIT(NAME) (UINT64_C(1) << MCV_FEATURE_##NAME)
+#define MCV_ALL_FEATURES (UINT64_MAX >> (64 - MCV_FEATURE_COUNT))
 
 /* X(stage, condition): the stages in the order in which they run. A stage runs if its condition, in
  * terms of MCV_WITH_…, is not 0. The names are keys of `check --json`; kernels/README.md says which

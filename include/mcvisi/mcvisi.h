@@ -112,7 +112,8 @@ MCV_API const char *mcv_version(void);
 MCV_API void mcv_text_free(char *text);
 
 /* The JSON schema (draft 4) of the options of a verb: "render", "new", "check", "trace", "compare",
- * "camera", "camera-model", "measure", "sweep", "lightfield", "import". MCV_USAGE for others. */
+ * "camera", "camera-model", "measure", "sweep", "uncertainty", "optimize", "pod", "merge",
+ * "lightfield", "import", "defect", "detect". MCV_USAGE for others. */
 MCV_API mcv_result mcv_options_schema(const char *verb, char **schema, mcv_error *error);
 
 /*
@@ -210,6 +211,15 @@ MCV_API void mcv_rig_free(mcv_rig *rig);
 MCV_API mcv_result mcv_session_check(mcv_session *session, const mcv_rig *rig, const char *options,
                                      char **report, mcv_error *error);
 
+/*
+ * Which light makes a pixel: options are those of `mcvisi explain`; the page of "html" is written,
+ * too. Needs no device: the reference renderer traces the paths. *report: {"value", "routes":
+ * [{"name", "share": {"value", "uncertainty"}, "emitter", "surfaces": [{"node", "material",
+ * "way"}], "path": [[x, y, z], …]}]}, from the camera to the emitter, the strongest first.
+ */
+MCV_API mcv_result mcv_session_explain(mcv_session *session, const mcv_rig *rig,
+                                       const char *options, char **report, mcv_error *error);
+
 /* What a running render tells. `size` is that of the struct; new members are added at the end. */
 typedef struct mcv_progress {
     size_t size;
@@ -232,12 +242,17 @@ typedef bool mcv_progress_call(void *user, const mcv_progress *progress);
 MCV_API mcv_result mcv_progress_picture(const mcv_progress *progress, mcv_picture **picture,
                                         mcv_error *error);
 
+/* Writes the checkpoint of the render (the option "checkpoint") before it goes on; only from inside
+ * of the callback. MCV_USAGE where it has none. */
+MCV_API mcv_result mcv_progress_save(const mcv_progress *progress, mcv_error *error);
+
 /*
  * Renders one sensor: the option "sensor", by default the only one; MCV_USAGE where there are
  * several. Options are those of `mcvisi render` without those that name files and those of the
- * camera. The picture has the parts "image" and "error" (its standard error), with
- * {"parts": "replicates"} also "replicate 0" …, with {"adaptive": true} also "samples". *stats:
- * the summary of `mcvisi render --json`.
+ * camera; "checkpoint" names the file that the unfinished render is saved into, and "resume" goes
+ * on with it. The picture has the parts "image" and "error" (its standard error), with {"parts":
+ * "replicates"} also "replicate 0" …, with {"adaptive": true} also "samples". *stats: the summary
+ * of `mcvisi render --json`.
  *
  * Where progress returns false: MCV_INTERRUPTED, with *picture of the samples so far, or NULL where
  * there are none; it is to be freed as any other.
@@ -283,6 +298,58 @@ MCV_API mcv_result mcv_session_sweep(mcv_session *session, const mcv_rig *rig, c
                                      mcv_told_call *told, void *user, char **report,
                                      mcv_error *error);
 
+/*
+ * How tolerances of parameters spread a metric: options are those of `mcvisi uncertainty`. Rows and
+ * notes are told, and files written, as by mcv_session_sweep. *report: the summary of `mcvisi
+ * uncertainty --json`, with the standard uncertainty of each metric by first order and by Monte
+ * Carlo, each with its 95 % interval, and the effect of each parameter. MCV_USAGE for unknown
+ * distributions and impossible correlations.
+ */
+MCV_API mcv_result mcv_session_uncertainty(mcv_session *session, const mcv_rig *rig,
+                                           const char *options, mcv_told_call *told, void *user,
+                                           char **report, mcv_error *error);
+
+/*
+ * Searches for the parameters at which metrics are largest or smallest: options are those of
+ * `mcvisi optimize`. Rows and notes are told, and files written, as by mcv_session_sweep. *report:
+ * the summary of `mcvisi optimize --json`, with the winner, its value from renders that have chosen
+ * nothing, and its rivals, or the front of several objectives. MCV_BAD_INPUT for constraints that
+ * allow nothing.
+ */
+MCV_API mcv_result mcv_session_optimize(mcv_session *session, const mcv_rig *rig,
+                                        const char *options, mcv_told_call *told, void *user,
+                                        char **report, mcv_error *error);
+
+/* --- probability of detection --- */
+
+/*
+ * From which size on defects are found, of a table of sizes with signals or with hits and misses.
+ * `table`: a CSV file such as `mcvisi sweep` writes. Options are those of `mcvisi pod`. *report:
+ * {"answer": a sentence, "a90_bound", "a50" and "a90": {"value", "low", "high"}, "defects", "hits",
+ * "curve": lists of size, probability and its two bounds, …}. A number that is null or not there is
+ * not known; "answer" says why. MCV_USAGE and MCV_BAD_INPUT with a sentence for options and tables
+ * that no probability can be told of.
+ */
+MCV_API mcv_result mcv_pod_table(const char *table, const char *options, char **report,
+                                 mcv_error *error);
+
+/* The same of arrays of `count` defects: sizes with signals or, where `hits`, with 1 and 0. Options
+ * that name columns are refused. */
+MCV_API mcv_result mcv_pod_values(const double *sizes, const double *values, size_t count,
+                                  bool hits, const char *options, char **report, mcv_error *error);
+
+/* --- defects --- */
+
+/*
+ * Puts a defect of this type ("dent", "bump", "scratch") onto the surface of a node, or ("bubble",
+ * "inclusion", "stria") inside of it. Options are
+ * those of `mcvisi defect` without "output". *report: {"defect", "type", "node", "position",
+ * "normal", "size", "depth", "triangles" of the scene then}, with what is odd about it as notes.
+ * MCV_BAD_INPUT where it lies off the surface or reaches round an edge.
+ */
+MCV_API mcv_result mcv_rig_add_defect(mcv_rig *rig, const char *type, const char *options,
+                                      char **report, mcv_error *error);
+
 /* --- camera models --- */
 
 /*
@@ -300,6 +367,26 @@ MCV_API mcv_result mcv_rig_camera_model(const mcv_rig *rig, const char *options,
  */
 MCV_API mcv_result mcv_rig_add_camera(mcv_rig *rig, const char *file, const char *options,
                                       char **report, mcv_error *error);
+
+/* --- parts of renders --- */
+
+/*
+ * Joins film files of parts of a render, which are written by the options "samples" and "film" of a
+ * render, in any order: the picture has the bits of one render. Options are those of `mcvisi
+ * merge`; with "output" the image is written, too. *picture and *report may be NULL; the report is
+ * {"parts", "samples", "error", …}. MCV_BAD_INPUT names what differs between the parts, and samples
+ * that are missing or there twice.
+ */
+MCV_API mcv_result mcv_films_merge(const char *const *files, size_t count, const char *options,
+                                   mcv_picture **picture, char **report, mcv_error *error);
+
+/*
+ * Joins the tables of parts of a sweep (its option "range") in any order: "output" is the table,
+ * beside which the experiment is written; "force" replaces one. *report, which may be NULL:
+ * {"table", "tables", "rows"}, with a note of parts that are missing.
+ */
+MCV_API mcv_result mcv_tables_merge(const char *const *files, size_t count, const char *options,
+                                    char **report, mcv_error *error);
 
 /* --- pictures --- */
 
@@ -374,6 +461,16 @@ MCV_API mcv_result mcv_picture_compare(const mcv_picture *a, const mcv_picture *
                                        const char *options, bool *different,
                                        mcv_picture **difference, char **report, mcv_error *error);
 
+/*
+ * How well a camera can tell the defect of the picture `with` from its noise: renders of one scene
+ * with and without it, both with all their replicates ("parts": "replicates"). Options are those of
+ * `mcvisi detect`. *visible (or NULL): a picture of |difference| in deviations of the noise.
+ * *report: {"detectability": {"value", "low", "high"}, "contrast", "found", "visible", …}.
+ */
+MCV_API mcv_result mcv_picture_detect(const mcv_picture *with, const mcv_picture *without,
+                                      const char *options, mcv_picture **visible, char **report,
+                                      mcv_error *error);
+
 /* The sub-aperture views of a light field image, side by side. Options are those of `mcvisi
  * lightfield views`: {"angular": "9x9"} where the attributes do not tell. */
 MCV_API mcv_result mcv_picture_views(const mcv_picture *picture, const char *options,
@@ -384,6 +481,62 @@ MCV_API mcv_result mcv_picture_views(const mcv_picture *picture, const char *opt
 MCV_API mcv_result mcv_picture_emd_gradient(const mcv_picture *picture, const char *options,
                                             mcv_picture **gradient, char **report,
                                             mcv_error *error);
+
+/* --- light transport --- */
+
+/* A light transport matrix: what each element of the emitters brings to each pixel. */
+typedef struct mcv_transport mcv_transport;
+
+/*
+ * Renders the matrix of one sensor: the option "sensor", by default the only one. Options are those
+ * of `mcvisi transport`; with "output" and "white" its files are written, too. An element is an
+ * emitter, or a pixel of its image. Where progress returns false: MCV_INTERRUPTED, without a
+ * matrix. *report: its size, its elements, its entries; may be NULL.
+ */
+MCV_API mcv_result mcv_session_transport(mcv_session *session, const mcv_rig *rig,
+                                         const char *options, mcv_progress_call *progress,
+                                         void *user, mcv_transport **transport, char **report,
+                                         mcv_error *error);
+
+/* Reads .npz; writes .npz or .mtx, whole or not at all. */
+MCV_API mcv_result mcv_transport_read(const char *path, mcv_transport **transport,
+                                      mcv_error *error);
+MCV_API mcv_result mcv_transport_write(const mcv_transport *transport, const char *path,
+                                       mcv_error *error);
+
+/* The header as JSON: {"width", "height", "channels", "replicates", "samples", "kept", "elements":
+ * [{"emitter", "type", "first", "width", "height", "radiance", "to_world"}], "attributes"}. */
+MCV_API mcv_result mcv_transport_header(const mcv_transport *transport, char **json,
+                                        mcv_error *error);
+
+/*
+ * The entries in compressed rows. Row (pixel, channel) is number pixel * channels + channel; its
+ * entries are row_begins[row] … row_begins[row + 1] - 1, in ascending columns. The caller sets
+ * `size` to sizeof(mcv_matrix_entries); the matrix owns the rest.
+ */
+typedef struct mcv_matrix_entries {
+    size_t size;
+    size_t row_count, column_count, element_count, replicate_count, entry_count;
+    const uint64_t *row_begins;
+    const uint32_t *columns; /* elements; element_count: what "keep" has dropped */
+    const double *values;    /* of the image, for a pattern of 1 */
+    const float *replicates; /* [entry][replicate]: the value by each replicate */
+    const float *pattern;    /* [element][channel]: that of the scene */
+} mcv_matrix_entries;
+
+MCV_API mcv_result mcv_transport_entries(const mcv_transport *transport,
+                                         mcv_matrix_entries *entries, mcv_error *error);
+
+/*
+ * The image of a pattern, [element][channel] of `count` values; NULL: that of the options of
+ * `mcvisi relight`, by default the scene's. The picture has the parts "image" and "error", from the
+ * replicates. *report may be NULL.
+ */
+MCV_API mcv_result mcv_transport_relight(const mcv_transport *transport, const float *pattern,
+                                         size_t count, const char *options, mcv_picture **picture,
+                                         char **report, mcv_error *error);
+
+MCV_API void mcv_transport_free(mcv_transport *transport);
 
 #ifdef __cplusplus
 }

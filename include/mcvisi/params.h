@@ -13,15 +13,26 @@
  * int2, MCV_NONE for int4, image and pattern) until the element's resolve function derives the
  * value or leaves it out.
  *
- * A choice has the name of its first option as default; min is 0 and max the last index. Its
- * options stand in MCV_CHOICES below. A flag is true or false, 1 or 0. An image is the index or the
- * name of one of the file's images, or {"uri": FILE.exr}; the loader replaces it by the index of a
- * texture. A pattern is an object (mcvisi/pattern.h).
+ * A choice has the name of an option as default; min and max are the first and the last index that
+ * the element has. Its options stand in MCV_CHOICES below. A flag is true or false, 1 or 0. An
+ * image is the index or the name of one of the file's images, or {"uri": FILE.exr}; the loader
+ * replaces it by the index of a texture. A pattern is an object (mcvisi/pattern.h).
  */
 #ifndef MCVISI_PARAMS_H
 #define MCVISI_PARAMS_H
 
 #include "mcvisi/dialect.h"
+
+/* The options of the choice `aperture`. */
+enum {
+    MCV_APERTURE_SQUARE,
+    MCV_APERTURE_CIRCLE,
+    MCV_APERTURE_DISC,
+    MCV_APERTURE_RING,
+    MCV_APERTURE_HALF,
+    MCV_APERTURE_BLADES,
+    MCV_APERTURE_CODED
+};
 
 #if !MCV_ON_DEVICE
 
@@ -54,8 +65,11 @@
 #define MCV_CHOICES(X) \
     X(radiometry, "radiance", "irradiance") \
     X(falloff, "objectSide", "imageSide") \
-    X(aperture, "square", "circle") \
+    X(aperture, "square", "circle", "disc", "ring", "half", "blades", "coded") \
     X(orientation, "vertical", "horizontal") \
+    X(shutter, "global", "rolling", "line") \
+    X(shape, "gaussian", "cosine") \
+    X(profile, "V", "U") \
     X(metal, "aluminium", "chromium", "copper", "gold", "iron", "nickel", "silver", "titanium") \
     X(glass, "none", "N-BK7", "N-K5", "N-BAK4", "N-SK2", "N-SK16", "N-SSK2", "N-LAK8", "N-LAK22", \
       "N-LASF9", "N-BAF10", "F2", "N-F2", "F5", "SF5", "N-SF5", "SF6", "N-SF6", "N-SF10", \
@@ -63,7 +77,6 @@
 
 enum { MCV_RADIOMETRY_RADIANCE, MCV_RADIOMETRY_IRRADIANCE };
 enum { MCV_FALLOFF_OBJECT_SIDE, MCV_FALLOFF_IMAGE_SIDE };
-enum { MCV_APERTURE_SQUARE, MCV_APERTURE_CIRCLE };
 enum { MCV_ORIENTATION_VERTICAL, MCV_ORIENTATION_HORIZONTAL };
 
 typedef enum mcv_param_kind {

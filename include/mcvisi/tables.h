@@ -10,6 +10,9 @@
 #include "mcvisi/elements.h"
 #include "mcvisi/events.h"
 #include "mcvisi/interface.h"
+#if !MCV_ON_DEVICE || MCV_WITH_MOTION
+#include "mcvisi/motion.h"
+#endif
 #if !MCV_ON_DEVICE || MCV_WITH_PUNCTUAL
 #include "mcvisi/point_light.h"
 #endif
@@ -71,9 +74,19 @@ typedef struct mcv_frame {
     uint instance_count;
     uint
         light_tree_depth; /* steps from its root to an emitter at most; 0: there is no light tree */
-    uint padding[9];
+    uint environment_element; /* its number (kernels/light/element.h) */
+    uint record_capacity;     /* records that a launch has room for; 0: it makes none */
+    float splat_share;        /* what a splat of 1 adds to a pixel's sum of samples */
+    uint padding[6];
+#if !MCV_ON_DEVICE || MCV_WITH_MOTION
+    mcv_motion motion;
+#endif
 } mcv_frame;
+#if !MCV_ON_DEVICE || MCV_WITH_MOTION
+MCV_ASSERT_SIZE(mcv_frame, 512 + 64);
+#else
 MCV_ASSERT_SIZE(mcv_frame, 512);
+#endif
 
 typedef struct mcv_device_instance {
     uint material;
@@ -174,8 +187,11 @@ typedef struct mcv_device_emitter {
     float narrowest; /* width of its light and how it grows with distance: kernels/light/selection.h
                         [m²] */
     float widening;
-    float power; /* its share of the power of all emitters */
-    uint trail;  /* from the root of the light tree to it: bit i is the child at level i */
+    float power;        /* its share of the power of all emitters */
+    uint trail;         /* from the root of the light tree to it: bit i is the child at level i */
+    uint first_element; /* its number (kernels/light/element.h) */
+    uint element_width; /* pixels in a row of its image, each of which is an element; 0: it is one
+                           element */
 #if !MCV_ON_DEVICE || MCV_WITH_PARALLEL
     mcv_parallel parallel;
 #else
@@ -218,7 +234,7 @@ typedef struct mcv_device_emitter {
     uint no_rectangle[24];
 #endif
 } mcv_device_emitter;
-MCV_ASSERT_SIZE(mcv_device_emitter, 496);
+MCV_ASSERT_SIZE(mcv_device_emitter, 504);
 
 /* A node of the light tree: emitters that are chosen together (kernels/light/tree.h). */
 typedef struct mcv_light_node {
@@ -296,6 +312,11 @@ typedef struct mcv_device_vertex {
     uint padding[3];
 } mcv_device_vertex;
 MCV_ASSERT_SIZE(mcv_device_vertex, 112);
+
+/* A buffer of records (kernels/stage/record_light.h): their number, then cell, element and channels
+ * of each. */
+#define MCV_RECORD_COUNT_WORDS 4u
+#define MCV_RECORD_WORDS(channels) (2u + (channels))
 
 /* Up to this many emitters, each surface weighs all of them. With more, it chooses by the light
  * tree. */

@@ -133,6 +133,17 @@ MCV_LOOP_FUNCTION mcv_color mcv_texture_at(mcv_world world, mcv_surface surface,
                               mcv_image_place(world, surface, texture, 1));
 }
 
+/* The texel of an image without interpolation there. */
+MCV_FUNCTION mcv_pixel mcv_texel_at(mcv_world world, mcv_surface surface, uint texture) {
+    __global const mcv_device_texture *t = world.textures + texture;
+    const mcv_texture_place place = mcv_find_texel(t, mcv_image_place(world, surface, texture, 0),
+                                                   mcv_image_place(world, surface, texture, 1));
+    mcv_pixel pixel;
+    pixel.column = mcv_wrap(place.i, t->width, t->wrap_s);
+    pixel.row = mcv_wrap(place.j, t->height, t->wrap_t);
+    return pixel;
+}
+
 /* A value times the texture's there, where a material has one. */
 MCV_LOOP_FUNCTION mcv_color mcv_textured(mcv_world world, mcv_surface surface, uint texture,
                                          mcv_color value) {

@@ -42,6 +42,11 @@ MCV_FUNCTION mcv_color mcv_texel(mcv_world world, uint index, uint column, uint 
     return color;
 }
 
+/* A pixel of an image. */
+typedef struct mcv_pixel {
+    uint column, row;
+} mcv_pixel;
+
 /* The texel at a place, or the upper left one of the four around it and how far it is from that
  * one. */
 typedef struct mcv_texture_place {

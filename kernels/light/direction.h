@@ -101,10 +101,10 @@ MCV_FUNCTION mcv_shadow mcv_sample_environment(mcv_world world, mcv_receiver at,
                                                 mcv_cdf_remainder(columns, column, column_bits),
                                                 mcv_cdf_remainder(rows, row, row_bits)),
                          MCV_SKY, 0.0f);
-    const mcv_sky_pixel pixel = mcv_sky_pixel_at(e, shadow.direction);
+    const mcv_pixel pixel = mcv_sky_pixel_at(e, shadow.direction);
     shadow.density = mcv_environment_density(world, e, pixel);
     if (shadow.density > 0.0f)
-        shadow.light = mcv_dim(mcv_environment_radiance(world, e, pixel), 1.0f / shadow.density);
+        shadow.light = mcv_dim(mcv_pixel_radiance(world, e, pixel), 1.0f / shadow.density);
     return shadow;
 }
 #endif

@@ -8,6 +8,7 @@
 
 #include "geometry/surface.h"
 #include "light/discrete.h"
+#include "light/element.h"
 #include "light/emission.h"
 #include "light/shadow.h"
 
@@ -161,12 +162,15 @@ MCV_FUNCTION int mcv_has_image(__global const mcv_device_emitter *e) {
     return e->texture != MCV_NONE;
 }
 
-/* What comes from a point on an emitter with an image, in place of mcv_sample_point's light. */
-MCV_FUNCTION mcv_color mcv_light_by_image(mcv_world world, mcv_vec3 receiver, mcv_surface there,
-                                          uint emitter, float density) {
+/* The shadow of mcv_sample_point with what comes from there, by the emitter's image. */
+MCV_FUNCTION mcv_shadow mcv_shadow_by_image(mcv_world world, mcv_vec3 receiver, mcv_surface there,
+                                            uint emitter, mcv_shadow shadow) {
     const mcv_vec3 back = mcv_scale(mcv_normalize(mcv_sub(there.point, receiver)), -1.0f);
-    if (!(density > 0.0f && density < INFINITY)) return mcv_grey(0.0f);
-    return mcv_dim(mcv_emitted(world, there, emitter, back), 1.0f / density);
+    shadow.light = mcv_grey(0.0f);
+    if (!(shadow.density > 0.0f && shadow.density < INFINITY)) return shadow;
+    shadow.light = mcv_dim(mcv_emitted(world, there, emitter, back), 1.0f / shadow.density);
+    shadow.element = mcv_element_of(world, emitter, there, back);
+    return shadow;
 }
 #endif
 #endif

@@ -5,27 +5,15 @@
 
 #include "light/discrete.h"
 #include "geometry/surface.h"
+#include "light/emission.h"
 #include "path/media.h"
 
 #if MCV_WITH_ENVIRONMENT_IMAGE && MCV_WITH_TEXTURE
-/* A pixel of the environment's image. */
-typedef struct mcv_sky_pixel {
-    uint column, row;
-} mcv_sky_pixel;
-
 /* The one that lies in a unit direction. */
-MCV_FUNCTION mcv_sky_pixel mcv_sky_pixel_at(__global const mcv_device_emitter *e,
-                                            mcv_vec3 direction) {
-    mcv_sky_pixel pixel;
+MCV_FUNCTION mcv_pixel mcv_sky_pixel_at(__global const mcv_device_emitter *e, mcv_vec3 direction) {
+    mcv_pixel pixel;
     mcv_environment_pixel(&e->environment, direction, &pixel.column, &pixel.row);
     return pixel;
-}
-
-MCV_FUNCTION mcv_color mcv_environment_radiance(mcv_world world,
-                                                __global const mcv_device_emitter *e,
-                                                mcv_sky_pixel pixel) {
-    return mcv_tint(mcv_texel(world, e->texture, pixel.column, pixel.row),
-                    mcv_color_at(e->radiance));
 }
 
 /* The cumulative shares of a row's pixels; those of the rows come first. */
@@ -38,7 +26,7 @@ mcv_environment_row(mcv_world world, __global const mcv_device_emitter *e, uint 
 /* The density [1/sr] with which next-event estimation chooses a direction into a pixel of the sky.
  */
 MCV_FUNCTION float mcv_environment_density(mcv_world world, __global const mcv_device_emitter *e,
-                                           mcv_sky_pixel pixel) {
+                                           mcv_pixel pixel) {
     const float share = mcv_cdf_share(world.emitter_cdf + e->cdf, pixel.row) *
                         mcv_cdf_share(mcv_environment_row(world, e, pixel.row), pixel.column);
     return e->probability * share / mcv_environment_solid_angle(&e->environment, pixel.row);
@@ -57,8 +45,8 @@ MCV_FUNCTION mcv_color mcv_environment_seen(mcv_world world, mcv_vec3 direction,
 #endif
 #if MCV_WITH_ENVIRONMENT_IMAGE && MCV_WITH_TEXTURE
     __global const mcv_device_emitter *e = world.emitters + world.frame->environment_emitter;
-    const mcv_sky_pixel pixel = mcv_sky_pixel_at(e, direction);
-    light = mcv_environment_radiance(world, e, pixel);
+    const mcv_pixel pixel = mcv_sky_pixel_at(e, direction);
+    light = mcv_pixel_radiance(world, e, pixel);
 #if MCV_WITH_NEXT_EVENT
     if (density > 0.0f)
         light =

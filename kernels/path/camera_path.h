@@ -52,6 +52,7 @@
     X(branch, MCV_WITH_SPLIT) /* 0 … MCV_BRANCHES - 1: how often the path has split; a branch k: \
                                  MCV_BRANCHES + k, splits no more */ \
     X(value, MCV_TILE)        /* of the path in its slice */ \
+    X(cell, MCV_WITH_RECORDS) /* of the film (mcv_film_cell) */ \
     X(density, MCV_WITH_NEXT_EVENT) /* with which the last surface chose the direction [1/sr]; 0: \
                                        it is smooth */ \
     /* Of the last surface that scattered light: light/selection.h; light/tree.h: its normal. */ \
@@ -88,9 +89,10 @@
     X(shadow_origin, 3 * MCV_WITH_NEXT_EVENT) /* ray to the emitter */ \
     X(shadow_direction, 3 * MCV_WITH_NEXT_EVENT) \
     X(shadow_origin_surface, MCV_WITH_NEXT_EVENT *MCV_WITH_SURFACES) \
-    X(shadow_density, MCV_TILE *MCV_WITH_NEXT_EVENT)   /* as in mcv_shadow */ \
-    X(shadow_media, MCV_WITH_NEXT_EVENT *MCV_CROSSES)  /* that it leaves the surface in */ \
-    X(shadow_light, MCV_WITH_NEXT_EVENT *MCV_CHANNELS) /* what it brings; 0: no ray */ \
+    X(shadow_density, MCV_TILE *MCV_WITH_NEXT_EVENT)         /* as in mcv_shadow */ \
+    X(shadow_media, MCV_WITH_NEXT_EVENT *MCV_CROSSES)        /* that it leaves the surface in */ \
+    X(shadow_light, MCV_WITH_NEXT_EVENT *MCV_CHANNELS)       /* what it brings; 0: no ray */ \
+    X(shadow_element, MCV_WITH_NEXT_EVENT *MCV_WITH_RECORDS) /* from which (light/element.h) */ \
     X(shadow_target, MCV_WITH_NEXT_EVENT) /* instance that must be met first; MCV_NONE: nothing \
                                              before t = 1; MCV_SKY: nothing at all */
 
@@ -104,7 +106,8 @@
     X(light_emitter, MCV_LIGHT_ROWS)            /* where it has started */ \
     X(light_replicate, MCV_LIGHT_ROWS)          /* that it counts for */ \
     X(light_class, MCV_LIGHT_ROWS)              /* MCV_LIGHT_… */ \
-    X(light_length, MCV_LIGHT_ROWS)             /* so far [m] */
+    X(light_length, MCV_LIGHT_ROWS)             /* so far [m] */ \
+    X(light_element, MCV_LIGHT_ROWS *MCV_WITH_RECORDS) /* of the emitter (light/element.h) */
 
 /* Whether light paths lie in rows. Where beams come to the lens by themselves or colours part, they
  * are traced one by one. */

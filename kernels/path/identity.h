@@ -26,7 +26,14 @@ typedef struct mcv_identity {
     uint column, row;
     uint stream; /* of random numbers: pixel, replicate, seed */
     uint sample;
+    uint cell; /* on the film: mcv_film_cell */
 } mcv_identity;
+
+/* The number of a pixel and a replicate on the film. */
+MCV_LOOP_FUNCTION uint mcv_film_cell(__constant const mcv_frame *frame, uint column, uint row,
+                                     uint replicate) {
+    return (row * frame->width + column) * frame->replicates + replicate;
+}
 
 /* Pixels are numbered as listed or in squares of 8 x 8; those of a square that stick out of the
  * image have no paths. */
@@ -44,9 +51,11 @@ MCV_FUNCTION mcv_identity mcv_identify(mcv_world world, uint path) {
         id.column = square % across * 8u + (pixel & 7u);
         id.row = square / across * 8u + ((pixel >> 3) & 7u);
     }
+    const uint replicate = set % frame->replicates;
     id.stream = mcv_hash_2(
         mcv_hash_2(frame->seed, frame->first_pixel + id.row * frame->row_pitch + id.column),
-        set % frame->replicates);
+        replicate);
+    id.cell = mcv_film_cell(frame, id.column, id.row, replicate);
     id.sample = frame->first_sample + (path & ((1u << frame->log2_samples) - 1u));
     return id;
 }

@@ -16,6 +16,7 @@
 enum { MCV_PAIR_PIXEL, MCV_PAIR_APERTURE, MCV_PAIR_SURFACES };
 enum { MCV_PAIR_SCATTER, MCV_PAIR_EMITTER, MCV_PAIR_CHOICE, MCV_PAIR_STRIDE };
 #define MCV_PAIR_CHANNEL 0xffffffffu /* drawn once */
+#define MCV_PAIR_TIME 0xfffffffeu    /* of sensors that move */
 #define MCV_SURFACE_PAIR(depth, pair) \
     ((uint)MCV_PAIR_SURFACES + (depth) * (uint)MCV_PAIR_STRIDE + (uint)(pair))
 

@@ -10,7 +10,7 @@
 
 /* Begins the paths first … first + count - 1 of the launch; returns how many have begun. */
 MCV_BATCH uint mcv_begin_paths(mcv_world world, uint *paths, uint first, uint count) {
-    uint columns[MCV_SLOTS], rows[MCV_SLOTS], begins[MCV_SLOTS], begun[MCV_SLOTS];
+    uint columns[MCV_SLOTS], rows[MCV_SLOTS], cells[MCV_SLOTS], begins[MCV_SLOTS], begun[MCV_SLOTS];
     const uint samples = 1u << world.frame->log2_samples;
     for (uint from = 0, to; from < count; from = to) {
         const mcv_identity id = mcv_identify(world, first + from);
@@ -19,6 +19,7 @@ MCV_BATCH uint mcv_begin_paths(mcv_world world, uint *paths, uint first, uint co
         MCV_EACH_PATH (slot, paths, from, to) {
             columns[slot.index] = id.column;
             rows[slot.index] = id.row;
+            cells[slot.index] = id.cell;
             MCV_WORD(slot, stream, 0) = id.stream;
             MCV_WORD(slot, sample, 0) = id.sample + (slot.index - from);
         }
@@ -28,6 +29,7 @@ MCV_BATCH uint mcv_begin_paths(mcv_world world, uint *paths, uint first, uint co
         mcv_identity id;
         id.column = columns[slot.index];
         id.row = rows[slot.index];
+        id.cell = cells[slot.index];
         id.stream = MCV_WORD(slot, stream, 0);
         id.sample = MCV_WORD(slot, sample, 0);
         mcv_generate_ray(world, slot, id);

@@ -116,8 +116,8 @@ MCV_BATCH void mcv_light_points(mcv_world world, mcv_slot slot, uint emitter, co
             world, MCV_WORD(slot, place, 0), MCV_LOAD(slot, place, 1), MCV_LOAD(slot, place, 2));
         mcv_shadow shadow = mcv_shadow_in(slot);
         shadow.density = MCV_LOAD(slot, place, 3);
-        shadow.light = mcv_light_by_image(world, at.point, there, emitter, shadow.density);
-        mcv_put_shadow(world, slot, at, emitter, shadow);
+        mcv_put_shadow(world, slot, at, emitter,
+                       mcv_shadow_by_image(world, at.point, there, emitter, shadow));
     }
 }
 #endif

@@ -62,7 +62,7 @@ MCV_BATCH void mcv_begin_shadows(mcv_hits hits, uint first, uint last) {
  * have hit their target. */
 MCV_BATCH void mcv_add_shadow_lights(mcv_world world, uint *paths, uint first, uint last, int any,
                                      mcv_hits hits) {
-#if !((MCV_WITH_PARALLEL || MCV_WITH_BEAM) && MCV_WITH_TEXTURE)
+#if !((MCV_WITH_PARALLEL || MCV_WITH_BEAM) && MCV_WITH_TEXTURE) && !MCV_WITH_RECORDS
     MCV_VECTORIZE
 #endif
     MCV_EACH_PATH (slot, paths, first, first + mcv_fill_lanes(last - first)) {

@@ -37,7 +37,7 @@ MCV_BATCH uint mcv_set_apart(const uint *paths, const uint *classes, uint class,
 /* Those of the paths end that have met nothing. */
 MCV_BATCH uint mcv_shade_misses(mcv_world world, uint *apart, uint count, float *values) {
     uint nonfinite = 0;
-#if !MCV_WITH_ENVIRONMENT_IMAGE
+#if !MCV_WITH_ENVIRONMENT_IMAGE && !MCV_WITH_RECORDS
     MCV_VECTORIZE
 #endif
     MCV_EACH_PATH (slot, apart, 0, count) {
@@ -59,7 +59,9 @@ MCV_LOOP_FUNCTION uint mcv_shade_lamp_hits(mcv_world world, uint *apart, uint co
     __global const mcv_device_emitter *e = world.emitters + emitter;
     uint nonfinite = 0;
     (void)two, (void)chosen, (void)shares;
+#if !MCV_WITH_RECORDS
     MCV_VECTORIZE_MASKED
+#endif
     MCV_EACH_PATH (slot, apart, 0, count) {
         const uint triangle = MCV_WORD(slot, hit, 3);
         const mcv_vec3 direction = MCV_LOAD_3(slot, direction);
@@ -77,6 +79,7 @@ MCV_LOOP_FUNCTION uint mcv_shade_lamp_hits(mcv_world world, uint *apart, uint co
             mcv_radiance_share(e, there.face, there.normal, mcv_scale(direction, -1.0f));
         mcv_emitter_hit met;
         met.emitter = emitter;
+        met.element = mcv_first_element(world, emitter);
         met.other = 0.0f;
         met.share = shares[slot.index];
         MCV_EACH_CHANNEL(c) met.radiance.c[c] = e->radiance[c] * sent;

@@ -26,12 +26,17 @@ MCV_FUNCTION mcv_float_pair mcv_add_pairs(mcv_float_pair a, mcv_float_pair b) {
     return sum;
 }
 
+/* What radiance, L/n², adds to the film along a sensor's ray of this weight. */
+MCV_LOOP_FUNCTION float mcv_film_value(mcv_world world, float weight, float radiance,
+                                       uint channel) {
+    return radiance * weight * world.frame->sensor_index_squared[channel];
+}
+
 /* The path's value on the film, 0 (and counted) where it is not finite, or too large to be added.
  */
 MCV_FUNCTION float mcv_path_value(mcv_world world, mcv_slot slot, uint channel, uint *nonfinite) {
-    const float weight = MCV_LOAD(slot, weight, 0);
-    const float value =
-        MCV_LOAD(slot, radiance, channel) * weight * world.frame->sensor_index_squared[channel];
+    const float value = mcv_film_value(world, MCV_LOAD(slot, weight, 0),
+                                       MCV_LOAD(slot, radiance, channel), channel);
     if (mcv_abs(value) <= MCV_LARGEST_VALUE) return value;
     *nonfinite += 1u;
     return 0.0f;

@@ -19,7 +19,16 @@ MCV_LOOP_FUNCTION int mcv_generate_ray(mcv_world world, mcv_slot slot, mcv_ident
     film.row = on_film ? id.row : 0u;
     film.x = inside.x;
     film.y = inside.y;
-#if MCV_WITH_AIM
+#if MCV_WITH_MOTION
+    const mcv_pair lot = mcv_sample_pair(id.stream, id.sample, MCV_PAIR_TIME);
+    const mcv_moment moment = mcv_expose(&world.frame->motion, film.row, lot.x, lot.y);
+    if (world.frame->motion.shutter == MCV_SHUTTER_LINE)
+        film = mcv_on_line(film, world.sensor->centre_y, moment.stage);
+    mcv_sensor_ray sensor_ray =
+        mcv_moved(&world.frame->motion,
+                  mcv_sensor_sample(world.sensor, film, aperture.x, aperture.y), moment.time);
+    sensor_ray.weight *= moment.weight;
+#elif MCV_WITH_AIM
     const mcv_sensor_ray sensor_ray = mcv_guided_sensor_ray(world, film, aperture);
 #else
     const mcv_sensor_ray sensor_ray = mcv_sensor_sample(world.sensor, film, aperture.x, aperture.y);
@@ -60,6 +69,7 @@ MCV_LOOP_FUNCTION int mcv_generate_ray(mcv_world world, mcv_slot slot, mcv_ident
     if (MCV_WITH_NEXT_EVENT) MCV_STORE(slot, density, 0, 0.0f);
     if (MCV_WITH_LIGHT_TRACING) MCV_WORD(slot, path_class, 0) = MCV_PATH_CLASS_STRAIGHT;
     if (MCV_WITH_SPLIT) MCV_WORD(slot, branch, 0) = 0u;
+    if (MCV_WITH_RECORDS) MCV_WORD(slot, cell, 0) = id.cell;
     MCV_WORD(slot, stream, 0) = id.stream;
     MCV_WORD(slot, sample, 0) = id.sample;
     return weight > 0.0f;

@@ -8,19 +8,28 @@
 #include "traverse/bvh8.h"
 #include "geometry/surface.h"
 #include "geometry/solids.h"
+#include "light/element.h"
+#include "stage/record_light.h"
 
 /* The light of the emitter at the hit arrives, if it is lit; a ray that ends at the emitter's point
  * has no triangle. */
 MCV_LOOP_FUNCTION void mcv_add_shadow_light(mcv_world world, mcv_slot slot, mcv_hit hit, int lit) {
     mcv_color light;
     mcv_color radiance;
+    uint element = MCV_WITH_RECORDS ? MCV_WORD(slot, shadow_element, 0) : 0u;
     MCV_LOAD_COLOR(slot, shadow_light, light);
 #if (MCV_WITH_PARALLEL || MCV_WITH_BEAM) && MCV_WITH_TEXTURE
     /* What comes along a cone's or a beam's direction depends on where it was met. */
     if (lit && hit.triangle != MCV_NONE) {
         const mcv_surface there = mcv_surface_at(world, hit.triangle, hit.u, hit.v);
-        const uint texture = world.emitters[world.instances[there.instance].emitter].texture;
-        if (texture != MCV_NONE) light = mcv_tint(light, mcv_texture_at(world, there, texture));
+        const uint emitter = world.instances[there.instance].emitter,
+                   texture = world.emitters[emitter].texture;
+        if (texture != MCV_NONE) {
+            light = mcv_tint(light, mcv_texture_at(world, there, texture));
+            element =
+                mcv_element_of(world, emitter, there,
+                               mcv_scale(mcv_normalize(MCV_LOAD_3(slot, shadow_direction)), -1.0f));
+        }
     }
 #endif
     if (MCV_WITH_ABSORPTION) {
@@ -32,6 +41,7 @@ MCV_LOOP_FUNCTION void mcv_add_shadow_light(mcv_world world, mcv_slot slot, mcv_
     MCV_LOAD_COLOR(slot, radiance, radiance);
     MCV_EACH_CHANNEL(i) radiance.c[i] = lit ? radiance.c[i] + light.c[i] : radiance.c[i];
     MCV_STORE_COLOR(slot, radiance, radiance);
+    if (MCV_WITH_RECORDS && lit) mcv_record_radiance(world, slot, element, light);
 }
 
 /* Whether shadow rays may have to meet their emitter. */

@@ -18,6 +18,7 @@
 #include "bsdf/shading.h"
 #include "geometry/interaction.h"
 #include "light/direction.h"
+#include "light/element.h"
 #include "light/emission.h"
 #include "light/emitter_point.h"
 #include "light/selection.h"
@@ -48,8 +49,7 @@ MCV_FUNCTION mcv_shadow mcv_sample_towards(mcv_world world, mcv_receiver at, uin
             point = mcv_point_on_mesh(world, e, mcv_choose_triangle(world, e, pair), pair);
         mcv_shadow shadow = mcv_sample_point(at, e, point, &there);
 #if MCV_WITH_TEXTURE
-        if (mcv_has_image(e))
-            shadow.light = mcv_light_by_image(world, at.point, there, emitter, shadow.density);
+        if (mcv_has_image(e)) shadow = mcv_shadow_by_image(world, at.point, there, emitter, shadow);
 #endif
         return shadow;
     }
@@ -160,6 +160,9 @@ MCV_LOOP_FUNCTION mcv_shadow mcv_put_shadow(mcv_world world, mcv_slot slot, mcv_
     MCV_STORE_3(slot, shadow_origin, shadow.origin);
     MCV_STORE_3(slot, shadow_direction, shadow.direction);
     MCV_WORD(slot, shadow_target, 0) = shadow.target;
+    if (MCV_WITH_RECORDS)
+        MCV_WORD(slot, shadow_element, 0) =
+            shadow.element == MCV_NONE ? mcv_first_element(world, emitter) : shadow.element;
     if (MCV_TILE) {
         MCV_STORE_COLOR(slot, shadow_light, shadow.light);
         MCV_STORE(slot, shadow_density, 0, shadow.density);

@@ -5,11 +5,13 @@
 
 #include "geometry/interaction.h"
 #include "light/discrete.h"
+#include "light/element.h"
 #include "light/emission.h"
 #include "light/environment.h"
 #include "light/selection.h"
 #include "light/tree.h"
 #include "stage/path_class.h"
+#include "stage/record_light.h"
 
 /*
  * The density of a ray's choice, as it is to be weighed against that of next-event estimation which
@@ -31,18 +33,20 @@ MCV_LOOP_FUNCTION float mcv_density_against(mcv_world world, mcv_slot slot, uint
     return density > 0.0f ? against : density;
 }
 
-/* Adds light that arrives along the path, L/n². */
-MCV_LOOP_FUNCTION void mcv_add_radiance(mcv_slot slot, mcv_color light) {
+/* Adds light, L/n², that arrives along the path from an element. */
+MCV_LOOP_FUNCTION void mcv_add_radiance(mcv_world world, mcv_slot slot, mcv_color light,
+                                        uint element) {
     const mcv_color throughput = mcv_path_throughput(slot);
     MCV_EACH_CHANNEL(i)
     MCV_STORE(slot, radiance, i, mcv_fma(throughput.c[i], light.c[i], MCV_LOAD(slot, radiance, i)));
+    if (MCV_WITH_RECORDS) mcv_record_radiance(world, slot, element, mcv_tint(throughput, light));
 }
 
 #if MCV_WITH_EMISSION
 /* What a path has met of an emitter's surface. */
 typedef struct mcv_emitter_hit {
     mcv_color radiance; /* that the surface sends along the path */
-    uint emitter;
+    uint emitter, element;
     float other; /* the density with which next-event estimation would have chosen this direction
                     [1/sr] */
     float share; /* what light paths leave of it */
@@ -63,7 +67,7 @@ MCV_LOOP_FUNCTION void mcv_add_emission(mcv_world world, mcv_slot slot,
         const int chosen = own > 0.0f, emits = mcv_brightest(emitted) > 0.0f;
         emitted = mcv_dim(emitted, (chosen & emits) ? weight : 1.0f);
     }
-    mcv_add_radiance(slot, mcv_dim(emitted, met->share));
+    mcv_add_radiance(world, slot, mcv_dim(emitted, met->share), met->element);
 }
 
 /* Adds what a surface emits that the path has met. */
@@ -71,9 +75,10 @@ static void mcv_shade_emitter_hit(mcv_world world, mcv_slot slot, mcv_interactio
     const uint emitter = world.instances[interaction.surface.instance].emitter;
     if (emitter == MCV_NONE) return;
     mcv_emitter_hit met;
-    met.radiance =
-        mcv_emitted(world, interaction.surface, emitter, mcv_scale(interaction.direction, -1.0f));
+    const mcv_vec3 back = mcv_scale(interaction.direction, -1.0f);
+    met.radiance = mcv_emitted(world, interaction.surface, emitter, back);
     met.emitter = emitter;
+    met.element = mcv_element_of(world, emitter, interaction.surface, back);
     met.other = 0.0f;
     met.share = 1.0f;
 #if MCV_WITH_NEXT_EVENT
@@ -97,8 +102,9 @@ MCV_LOOP_FUNCTION void mcv_shade_miss(mcv_world world, mcv_slot slot) {
     world = mcv_disperse(world, slot);
     if (MCV_WITH_ENVIRONMENT_IMAGE)
         density = mcv_density_against(world, slot, world.frame->environment_emitter, density);
-    mcv_add_radiance(slot, mcv_environment_seen(world, MCV_LOAD_3(slot, direction),
-                                                mcv_path_media(slot), density));
+    const mcv_color seen =
+        mcv_environment_seen(world, MCV_LOAD_3(slot, direction), mcv_path_media(slot), density);
+    mcv_add_radiance(world, slot, seen, mcv_sky_element(world));
 }
 
 #endif

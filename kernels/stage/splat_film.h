@@ -8,7 +8,9 @@
 #ifndef MCVISI_KERNELS_SPLAT_FILM_H
 #define MCVISI_KERNELS_SPLAT_FILM_H
 
+#include "path/identity.h"
 #include "path/sensor_ray.h"
+#include "stage/record_light.h"
 
 #if MCV_WITH_LIGHT_TRACING
 /* cell: of replicate, channel and pixel. 0 if the sum no longer fits. */
@@ -31,11 +33,22 @@ MCV_FUNCTION int mcv_is_on_film(__constant const mcv_frame *frame, mcv_film_poin
            place.row < (float)frame->height;
 }
 
+/* The light is recorded instead where the launch records: its splats could not be taken back if
+ * the launch is repeated. */
 static void mcv_splat(mcv_world world, __global uint *splats, uint replicate, mcv_film_point place,
-                      mcv_color value, float xi, uint counts[MCV_COUNTER_COUNT]) {
+                      mcv_color value, uint element, float xi, uint counts[MCV_COUNTER_COUNT]) {
     const uint width = world.frame->width;
     const uint height = world.frame->height;
     if (!mcv_is_on_film(world.frame, place)) return;
+#if MCV_WITH_RECORDS
+    if (mcv_records(world)) {
+        mcv_append_record(
+            world, mcv_film_cell(world.frame, (uint)place.column, (uint)place.row, replicate),
+            element, mcv_dim(value, world.frame->splat_share));
+        return;
+    }
+#endif
+    (void)element;
     const size_t pixel = (size_t)(uint)place.row * width + (uint)place.column;
     for (uint channel = 0; channel < MCV_CHANNELS; ++channel) {
         const size_t cell = ((size_t)replicate * MCV_CHANNELS + channel) * width * height + pixel;

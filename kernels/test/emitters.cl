@@ -23,8 +23,8 @@ static void mcv_shade_emitter_hit(mcv_world world, mcv_vec3 receiver, mcv_vec3 d
     (void)hit, (void)emitter;
 #if MCV_WITH_ENVIRONMENT_IMAGE && MCV_WITH_TEXTURE
     if (hit.triangle == MCV_NONE && world.emitters[emitter].type == MCV_EMITTER_ENVIRONMENT) {
-        const mcv_sky_pixel pixel = mcv_sky_pixel_at(world.emitters + emitter, direction);
-        met[1] = mcv_environment_radiance(world, world.emitters + emitter, pixel).c[0];
+        const mcv_pixel pixel = mcv_sky_pixel_at(world.emitters + emitter, direction);
+        met[1] = mcv_pixel_radiance(world, world.emitters + emitter, pixel).c[0];
         met[2] = mcv_environment_density(world, world.emitters + emitter, pixel);
     }
 #endif

@@ -13,7 +13,7 @@ Lengths are in metres, angles in radians, times in seconds, unless a text gives 
 Failures are exceptions with one sentence: mcvisi.Error and its classes.
 """
 
-from mcvisi._verbs import import_lens, new
+from mcvisi._verbs import import_lens, merge, new, pod_table, pod_values
 from mcvisi._version import __version__
 from mcvisi.errors import BadInput, DeviceError, Error, PathError, UsageError
 from mcvisi.findings import Finding, Findings
@@ -23,7 +23,10 @@ from mcvisi.options import linear, log
 from mcvisi.rig import Group, Rig
 from mcvisi.rigs import load
 from mcvisi.session import Progress, Session, devices
+from mcvisi.optimization import Optimization
 from mcvisi.sweep import Row, Sweep
+from mcvisi.transport import Transport
+from mcvisi.uncertainty import Uncertainty
 
 __all__ = [
     "BadInput",
@@ -36,12 +39,15 @@ __all__ = [
     "Group",
     "Image",
     "Measurement",
+    "Optimization",
     "PathError",
     "Progress",
     "Rig",
     "Row",
     "Session",
     "Sweep",
+    "Transport",
+    "Uncertainty",
     "UsageError",
     "Value",
     "__version__",
@@ -51,6 +57,9 @@ __all__ = [
     "linear",
     "load",
     "log",
+    "merge",
     "new",
+    "pod_table",
+    "pod_values",
     "read",
 ]

@@ -6,7 +6,7 @@ from __future__ import annotations
 import glob
 import json
 import os
-from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Optional, Tuple
+from typing import TYPE_CHECKING, Any, Dict, List, Mapping, Optional, Sequence, Tuple
 
 from mcvisi._verbs import ImageVerbs
 from mcvisi.errors import UsageError
@@ -269,6 +269,16 @@ class Image(ImageVerbs, Handle):
         words = options_json(options)
         return Image._of(_made("mcv_picture_views", self._get(), words), {})
 
+    def _detect(self, without: "Image", options: Mapping[str, Any]) -> Mapping[str, Any]:
+        found: Mapping[str, Any] = json_of(
+            "mcv_picture_detect",
+            self._get(),
+            _picture(without, "without"),
+            options_json(options),
+            ffi.NULL,
+        )
+        return found
+
     def _emd_gradient(self, options: Mapping[str, Any]) -> "Image":
         words = options_json(options)
         return Image._of(_made("mcv_picture_emd_gradient", self._get(), words), {})
@@ -305,6 +315,15 @@ def _rig(rig: Any) -> Any:
     if not isinstance(rig, Rig):
         raise UsageError("rig: must be a mcvisi.Rig, not %s" % type(rig).__name__)
     return rig._snapshot()
+
+
+def merged(films: Sequence[Path], options: Mapping[str, Any]) -> Image:
+    """The image of parts of a render."""
+    names = [ffi.new("char[]", path_bytes(film, "films")) for film in films]
+    picture, report = ffi.new("mcv_picture **"), ffi.new("char **")
+    files = ffi.new("char *[]", names)
+    call("mcv_films_merge", files, len(names), options_json(options), picture, report)
+    return Image._of(picture[0], json.loads(take_text(report) or "{}"))
 
 
 def read(path: Path) -> Image:

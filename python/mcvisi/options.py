@@ -93,6 +93,10 @@ REPEATED = {
     "where": ("where", "="),
     "until": ("until", "="),
     "vary": ("vary", "="),
+    "tolerance": ("tolerance", "="),
+    "objective": ("objectives", "="),
+    "better": ("better", "="),
+    "correlate": ("correlate", "="),
     "index": ("index", "="),
 }
 

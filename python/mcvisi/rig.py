@@ -26,12 +26,15 @@ from mcvisi.library import (
     text_of,
     utf8,
 )
-from mcvisi.options import Path, options_json
+from mcvisi.options import Path, joined, options_json
 from mcvisi.session import ProgressOption, Session, session_of
 
 if TYPE_CHECKING:
     from mcvisi.image import Image
+    from mcvisi.optimization import Optimization
     from mcvisi.sweep import Sweep
+    from mcvisi.transport import Transport
+    from mcvisi.uncertainty import Uncertainty
 
 # A line names so many elements of a kind.
 _SHOWN_NAMES = 6
@@ -307,10 +310,27 @@ class Rig(RigVerbs, Handle):
         self.interrupted = None
         try:
             with Bar(progress) as told:
-                return session_of(session)._render(rig, options, told, stop)
+                image: "Image" = session_of(session)._render(rig, options, told, stop)
+                return image
         except BaseException as error:
             self.interrupted = getattr(error, "image", None)
             raise
+
+    def _explain(
+        self, pixel: Any, session: Optional[Session], options: Mapping[str, Any]
+    ) -> Mapping[str, Any]:
+        rig = self._snapshot()
+        words = options_json({**options, "pixel": joined(pixel, "pixel")})
+        with session_of(session)._used() as used:
+            found: Mapping[str, Any] = json_of("mcv_session_explain", used, rig, words)
+        return found
+
+    def _transport(
+        self, progress: ProgressOption, session: Optional[Session], options: Mapping[str, Any]
+    ) -> "Transport":
+        rig = self._snapshot()
+        with Bar(progress) as told:
+            return session_of(session)._render_matrix(rig, options, told)
 
     async def _render_async(
         self, progress: ProgressOption, session: Optional[Session], options: Mapping[str, Any]
@@ -335,6 +355,12 @@ class Rig(RigVerbs, Handle):
         name, words = path_bytes(path, "path"), options_json(options)
         with self._lock:
             found: Mapping[str, Any] = json_of("mcv_rig_add_camera", self._get(), name, words)
+        return found
+
+    def _add_defect(self, kind: str, options: Mapping[str, Any]) -> Mapping[str, Any]:
+        name, words = utf8(kind, "kind"), options_json(options)
+        with self._lock:
+            found: Mapping[str, Any] = json_of("mcv_rig_add_defect", self._get(), name, words)
         return found
 
     def _trace(
@@ -370,6 +396,20 @@ class Rig(RigVerbs, Handle):
         from mcvisi.sweep import Sweep
 
         return Sweep(self, session_of(session), vary, progress, options)
+
+    def _optimize(
+        self, vary: Any, progress: Any, session: Optional[Session], options: Mapping[str, Any]
+    ) -> "Optimization":
+        from mcvisi.optimization import Optimization
+
+        return Optimization(self, session_of(session), vary, progress, options)
+
+    def _uncertainty(
+        self, tolerance: Any, progress: Any, session: Optional[Session], options: Mapping[str, Any]
+    ) -> "Uncertainty":
+        from mcvisi.uncertainty import Uncertainty
+
+        return Uncertainty(self, session_of(session), tolerance, progress, options)
 
 
 def _few(names: List[str]) -> str:

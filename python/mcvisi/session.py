@@ -10,7 +10,7 @@ import sys
 import threading
 import time
 import warnings
-from typing import TYPE_CHECKING, Any, Callable, Iterator, List, Literal, Mapping, Optional, Union
+from typing import TYPE_CHECKING, Any, Callable, Iterator, List, Literal, Mapping, Optional, Type, Union
 
 from mcvisi import opencl
 from mcvisi.errors import DeviceError, Error, UsageError
@@ -20,6 +20,7 @@ from mcvisi.work import Job
 
 if TYPE_CHECKING:
     from mcvisi.image import Image
+    from mcvisi.transport import Transport
 
 # Callbacks come at most so often [s].
 _INTERVAL = 0.1
@@ -68,6 +69,13 @@ class Progress:
         )
         return _image(pointer, {})
 
+    def save(self) -> None:
+        """Writes the checkpoint of the render (the option `checkpoint`) before it goes on. Only
+        while the callback runs."""
+        if self._job is None:
+            raise UsageError("Progress.save: the callback is over")
+        self._job.ask(lambda: call("mcv_progress_save", self._told))
+
 
 # None: a bar in a terminal and in a notebook. False: nothing. A function: it is called about ten
 # times a second in the thread of the render's caller; where it returns False the render stops.
@@ -81,7 +89,7 @@ def _image(pointer: Any, stats: Mapping[str, Any]) -> Optional["Image"]:
 
 
 class _Render:
-    """One render: what its thread does, and what reaches the caller."""
+    """One render of an image: what its thread does, and what reaches the caller."""
 
     def __init__(self, arguments: "tuple[Any, Any, bytes]", told: bool) -> None:
         self.arguments = arguments
@@ -89,7 +97,7 @@ class _Render:
         self.image: Optional["Image"] = None
         self._next = 0.0
 
-    def work(self, job: Job) -> "Image":
+    def work(self, job: Job) -> Any:
         def progress(_user: Any, told: Any) -> bool:
             now = time.monotonic()
             if self.told and now >= self._next and not job.stopped:
@@ -97,9 +105,11 @@ class _Render:
                 self._next = time.monotonic() + _INTERVAL
             return not job.stopped
 
+        return self._call(ffi.callback("mcv_progress_call", progress, error=False))
+
+    def _call(self, callback: Any) -> Any:
         error = ffi.new("mcv_error *")
         picture, stats = ffi.new("mcv_picture **"), ffi.new("char **")
-        callback = ffi.callback("mcv_progress_call", progress, error=False)
         code = library().mcv_session_render(
             *self.arguments, callback, ffi.NULL, picture, stats, error
         )
@@ -108,6 +118,17 @@ class _Render:
             check(code, error)
         assert self.image is not None
         return self.image
+
+
+class _TransportRender(_Render):
+    """One render of a light transport matrix."""
+
+    def _call(self, callback: Any) -> Any:
+        from mcvisi.transport import Transport
+
+        made, report = ffi.new("mcv_transport **"), ffi.new("char **")
+        call("mcv_session_transport", *self.arguments, callback, ffi.NULL, made, report)
+        return Transport._of(made[0], _report(report))
 
 
 def _report(text: Any) -> Mapping[str, Any]:
@@ -218,9 +239,10 @@ class Session(Handle):
         options: Mapping[str, Any],
         progress: Optional[Callable[[Progress], Optional[bool]]],
         stop: Optional[threading.Event] = None,
-    ) -> "Image":
+        kind: Type[_Render] = _Render,
+    ) -> Any:
         told = progress is not None or stop is not None
-        render = _Render((self._get(), rig, self._options(options)), told)
+        render = kind((self._get(), rig, self._options(options)), told)
         job = self._begin(render.work)
 
         def tell(item: Progress) -> None:
@@ -236,7 +258,7 @@ class Session(Handle):
                 job.seen()
 
         try:
-            return job.wait(tell)  # type: ignore[no-any-return]
+            return job.wait(tell)
         except Error:
             raise
         except BaseException as interruption:
@@ -246,6 +268,16 @@ class Session(Handle):
                 job.wait()
             interruption.image = render.image  # type: ignore[attr-defined]
             raise
+
+
+    def _render_matrix(
+        self,
+        rig: Any,
+        options: Mapping[str, Any],
+        progress: Optional[Callable[[Progress], Optional[bool]]],
+    ) -> "Transport":
+        made: "Transport" = self._render(rig, options, progress, None, _TransportRender)
+        return made
 
 
 # Which process has used OpenCL.

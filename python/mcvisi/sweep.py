@@ -57,9 +57,9 @@ class Row(Mapping[str, Any]):
         return "<Row %s>" % ", ".join(words + ([self.message] if self.message else []))
 
 
-def _vary(values: Any) -> List[str]:
+def _vary(values: Any, option: str) -> List[str]:
     if not isinstance(values, Mapping):
-        raise UsageError("vary: must be a dictionary of paths and their values")
+        raise UsageError("%s: must be a dictionary of paths and their values" % option)
     return ["%s=%s" % (path, joined(v, path)) for path, v in values.items()]
 
 
@@ -71,6 +71,11 @@ class Sweep:
     and keeps the rows so far; they come first when it is looped over again. rows, to_pandas() and
     to_xarray() wait for the end.
     """
+
+    #: The library's function, the option of the parameters, and whether they make a grid.
+    _function = "mcv_session_sweep"
+    _option = "vary"
+    _grid = True
 
     def __init__(
         self,
@@ -84,8 +89,8 @@ class Sweep:
         self._begun = 0.0
         self._session = session
         self._rig = rig._snapshot()
-        self._vary = _vary(vary)
-        self._options = {**options, "vary": self._vary}
+        self._vary = _vary(vary, self._option)
+        self._options = {**options, self._option: self._vary}
         self._rows: List[Row] = []
         self._job: Optional[Job] = None
         self._ended = False
@@ -120,7 +125,7 @@ class Sweep:
         callback = ffi.callback("mcv_told_call", told, error=False)
         try:
             call(
-                "mcv_session_sweep",
+                self._function,
                 self._session._get(),
                 self._rig,
                 self._words,
@@ -217,7 +222,8 @@ class Sweep:
 
     def __repr__(self) -> str:
         state = "ended" if self._ended else "not begun" if self._job is None else "running"
-        return "<mcvisi.Sweep of %s; %s, %d rows>" % (
+        return "<mcvisi.%s of %s; %s, %d rows>" % (
+            type(self).__name__,
             ", ".join(self._vary),
             state,
             len(self._rows),
@@ -267,7 +273,7 @@ class Sweep:
         sets = numpy.prod([len(v) for v in values.values()], dtype=int) if names else 0
         paths = {item.split("=")[0].split("/")[-1]: item.split("=")[0] for item in self._vary}
         varied = [name for name in names if name in paths]
-        grid = self._options.get("design") in (None, "grid") and varied == names
+        grid = self._grid and self._options.get("design") in (None, "grid") and varied == names
         data: Dict[str, Any] = {}
         if grid and sets >= len(self._rows):
             shape = [len(values[name]) for name in names]
@@ -283,7 +289,7 @@ class Sweep:
         else:
             data = {name: ("set", v) for name, v in columns.items() if name not in names}
             coordinates = {name: ("set", columns[name]) for name in names}
-        attributes = {"vary": self._vary, "fingerprint": self.report.get("fingerprint", "")}
+        attributes = {self._option: self._vary, "fingerprint": self.report.get("fingerprint", "")}
         dataset = xarray.Dataset(data, coords=coordinates, attrs=attributes)
         for name, unit in self._units().items():
             for column in (name, name + "_u"):

@@ -316,24 +316,26 @@ static void refused(const char *text, const char *says) {
 static void test_what_is_refused(void **state) {
     mcv_rig *rig = parse_rig(rig_text);
     (void)state;
-    refused(YAML K "distortion_coefficients:\n  data: [-0.1, 0, 0, 0, 0]\n",
-            "has distortion, of -0.1");
-    refused(YAML K "distortion_model: equidistant\n", "is a distortion by itself");
-    refused(
-        "CamParam := ['area_scan_division', 0.008, -2000.0, 1e-05, 1e-05, 320, 240, 640, 480]\n",
-        "has distortion, of -2000");
+    refused(YAML K "distortion_model: equidistant\n", "is none of the sensors'");
+    refused(YAML K "distortion_coefficients:\n  data: "
+                   "[0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0]\n",
+            "must be 1 to 14 numbers");
     refused("CamParam := ['area_scan_polynomial', 0.008, 0, 0, 0, 0, 1e-9, 1e-05, 1e-05, 320, 240, "
             "640, 480]\n",
-            "has distortion, of 1e-09");
-    refused("Focus:foc: 0.008;\nParGroup:\nKappa:kappa: 3;\nSx:sx: 1e-05;\nSy:sy: 1e-05;\nCx:cx: "
-            "1;\nCy:cy: 2;\nImageWidth:imgw: 640;\nImageHeight:imgh: 480;\n",
-            "has distortion, of 3");
+            "polynomial distortion, of 1e-09");
+    refused("CamParam := ['area_scan_tilt_division', 0.008, 0, 0.009, 5, 90, 1e-05, 1e-05, 320, "
+            "240, 640, 480]\n",
+            "ImagePlaneDist 0.009 m is not Focus 0.008 m");
+    refused("CamParam := ['area_scan_tilt_object_side_telecentric_division', 0.5, 0, 0, 5, 90, "
+            "1e-05, 1e-05, 320, 240, 640, 480]\n",
+            "ImagePlaneDist must be above 0");
     refused("CamParam := ['area_scan_division', 0.008, 0]\n", "must have 8 numbers");
-    refused(YAML K_OF("800, 0, 320"), "3 x 3 numbers");
+    refused(YAML K_OF("800, 0, 320"), "must be 9 numbers in brackets");
     refused(YAML K_OF("800, 1, 320, 0, 800, 240, 0, 0, 1"), "skew");
     refused(YAML K_OF("nan, 0, 320, 0, 800, 240, 0, 0, 1"), "above 0");
     refused("image_width: 0\nimage_height: 480\n" K, "the image's width");
-    refused(YAML K "rotation:\n  data: [1, 0, 0, 0, 1, 0, 0, 0, 2]\n", "its rotation is none");
+    refused(YAML K "rotation:\n  data: [1, 0, 0, 0, 1, 0, 0, 0, 2]\ntvec: [0, 0, 0]\n",
+            "its rotation is none");
     refused("hello", "image_width");
     refused("{\"a\": 1}", "no camera model");
     mkdir("several", 0777);
@@ -341,8 +343,6 @@ static void test_what_is_refused(void **state) {
     write_file("several/images.txt", "1 1 0 0 0 0 0 0 1 a.png\n\n2 1 0 0 0 0 0 0 1 b.png\n\n");
     FAILS(MCV_BAD_INPUT, "several images", mcv_rig_add_camera(rig, "several", NULL, NULL, &error));
     write_file("several/images.txt", "1 1 0 0 0 0 0 0 1 a.png\n\n");
-    FAILS(MCV_BAD_INPUT, "has distortion, of 0.01",
-          mcv_rig_add_camera(rig, "several", NULL, NULL, &error));
     FAILS(MCV_BAD_INPUT, "nowhere", mcv_rig_add_camera(rig, "nowhere", NULL, NULL, &error));
     write_file("other", YAML K);
     FAILS(MCV_USAGE, "has a sensor \"tele\" already",
@@ -350,6 +350,132 @@ static void test_what_is_refused(void **state) {
     FAILS(MCV_USAGE, "--pixel-size -3um: ",
           mcv_rig_add_camera(rig, "other", "{\"pixel_size\": \"-3um\"}", NULL, &error));
     mcv_rig_free(rig);
+}
+
+/* --- tilt and distortion --- */
+
+/* A file's camera comes with the members of `lens`, a JSON object, and no others. */
+static void expect_lens(const char *file, const char *lens) {
+    mcv_rig *rig = parse_rig(empty);
+    json_t *truth = json_loads(lens, 0, NULL);
+    const json_t *value;
+    const char *key;
+    assert_non_null(truth);
+    WELL(mcv_rig_add_camera(rig, file, "{\"sensor\": \"c\", \"pixel_size\": \"10um\"}", NULL,
+                            &error));
+    json_t *model = model_of(rig, "c"), *found = json_object_get(model, "lens");
+    assert_non_null(found);
+    json_object_foreach(truth, key, value) {
+        const double is = json_number_value(json_object_get(found, key)),
+                     must = json_number_value(value);
+        if (!(fabs(is - must) <= 1e-12 * fabs(must)))
+            fail_msg("%s: %s is %.17g, not %.17g", file, key, is, must);
+    }
+    if (json_object_size(found) != json_object_size(truth)) fail_msg("%s: has others, too", file);
+    json_decref(truth);
+    json_decref(model);
+    mcv_rig_free(rig);
+}
+
+static void expect_lens_of(const char *text, const char *lens) {
+    write_file("other", text);
+    expect_lens("other", lens);
+}
+
+static void test_distortion_of_other_programs(void **state) {
+    (void)state;
+    expect_lens_of(YAML K "distortion_coefficients:\n  data: [-0.1, 0.02, 1e-3, -2e-3, 5e-3]\n",
+                   "{\"filmDistance\": 8e-3, \"k1\": -0.1, \"k2\": 0.02, \"p1\": 1e-3, "
+                   "\"p2\": -2e-3, \"k3\": 5e-3}");
+    expect_lens_of(YAML K "distortion_coefficients:\n  data: "
+                          "[0.1, 0, 0, 0, 0, 0.2, 0, 0.03, 1e-3, 2e-3, 3e-3, 4e-3, 0.1, -0.05]\n",
+                   "{\"filmDistance\": 8e-3, \"k1\": 0.1, \"k4\": 0.2, \"k6\": 0.03, "
+                   "\"s1\": 1e-3, \"s2\": 2e-3, \"s3\": 3e-3, \"s4\": 4e-3, \"tiltX\": 0.1, "
+                   "\"tiltY\": -0.05}");
+    expect_lens_of(
+        "CamParam := ['area_scan_division', 0.008, -2000.0, 1e-05, 1e-05, 320, 240, 640, 480]\n",
+        "{\"filmDistance\": 8e-3, \"kappa\": -2000}");
+    expect_lens_of("CamParam := ['area_scan_tilt_division', 0.008, 300, 0.008, 9, 270, 1e-05, "
+                   "1e-05, 320, 240, 640, 480]\n",
+                   "{\"filmDistance\": 8e-3, \"kappa\": 300, \"tilt\": 0.15707963267948966, "
+                   "\"tiltDirection\": 4.71238898038469}");
+    expect_lens_of("CamParam := ['area_scan_tilt_object_side_telecentric_division', 0.5, 100, "
+                   "0.03, 9, 0, 1e-05, 1e-05, 320, 240, 640, 480]\n",
+                   "{\"filmDistance\": 0.03, \"kappa\": 100, \"tilt\": 0.15707963267948966}");
+    expect_lens_of("Focus:foc: 0.008;\nParGroup:\nKappa:kappa: 3;\nSx:sx: 1e-05;\nSy:sy: "
+                   "1e-05;\nCx:cx: 1;\nCy:cy: 2;\nImageWidth:imgw: 640;\nImageHeight:imgh: 480;\n",
+                   "{\"filmDistance\": 8e-3, \"kappa\": 3}");
+    mkdir("bent", 0777);
+    write_file("bent/images.txt", "1 1 0 0 0 0 0 0 1 a.png\n\n");
+    write_file("bent/cameras.txt", "1 OPENCV 640 480 800 800 320 240 0.1 0 0.01 0\n");
+    expect_lens("bent", "{\"filmDistance\": 8e-3, \"k1\": 0.1, \"p1\": 0.01}");
+    write_file("bent/cameras.txt", "1 FULL_OPENCV 640 480 800 800 320 240 0 0 0 0 0 0 0 0.5\n");
+    expect_lens("bent", "{\"filmDistance\": 8e-3, \"k6\": 0.5}");
+    write_file("bent/cameras.txt", "1 RADIAL 640 480 800 320 240 0.1 0.2\n");
+    expect_lens("bent", "{\"filmDistance\": 8e-3, \"k1\": 0.1, \"k2\": 0.2}");
+}
+
+/* A camera with this lens in the format, back again. */
+static void check_lens_round_trip(const char *lens, int format, const char *says) {
+    char text[1024], file[16], *out = NULL, options[64];
+    snprintf(text, sizeof text,
+             "{\"asset\": {\"version\": \"2.0\"}, \"scene\": 0, \"scenes\": [{\"nodes\": [0]}], "
+             "\"nodes\": [{\"extensions\": {\"MCVISI_sensors\": {\"sensor\": 0}}}], "
+             "\"extensionsUsed\": [\"MCVISI_sensors\"], \"extensions\": {\"MCVISI_sensors\": "
+             "{\"sensors\": [{\"name\": \"c\", %s, \"resolution\": [640, 480], \"pixelSize\": "
+             "\"10um\"}]}}}",
+             lens);
+    mcv_rig *rig = parse_rig(text);
+    if (says) {
+        snprintf(options, sizeof options, "{\"format\": \"%s\", \"output\": \"refused\"}",
+                 formats[format]);
+        FAILS(MCV_BAD_INPUT, says, mcv_rig_camera_model(rig, options, &out, &error));
+        mcv_rig_free(rig);
+        return;
+    }
+    free(export_model(rig, "c", format));
+    snprintf(file, sizeof file, "model%d", format);
+    json_t *model = model_of(rig, "c");
+    out = json_dumps(json_object_get(model, "lens"), JSON_REAL_PRECISION(17));
+    expect_lens(file, out);
+    free(out);
+    json_decref(model);
+    mcv_rig_free(rig);
+}
+
+#define PINHOLE "\"type\": \"pinhole\", \"imageDistance\": \"8mm\", "
+#define TELECENTRIC \
+    "\"type\": \"telecentric\", \"focalLength\": \"50mm\", \"magnification\": 0.5, " \
+    "\"fNumber\": 8, "
+
+static void test_distortion_there_and_back(void **state) {
+    static const char radial[] = PINHOLE "\"k1\": -0.1, \"k2\": 0.02, \"p1\": 1e-3",
+                      rational[] = PINHOLE "\"k1\": 0.1, \"k3\": 0.01, \"k5\": 0.2",
+                      prism[] = PINHOLE "\"k1\": 0.1, \"s1\": 2e-3, \"tiltX\": 0.1, "
+                                        "\"tiltY\": 0.05",
+                      division[] = PINHOLE "\"kappa\": -300, \"tilt\": 0.1, "
+                                           "\"tiltDirection\": 0.4",
+                      tele[] = TELECENTRIC "\"kappa\": -300, \"tilt\": 0.1, "
+                                           "\"tiltDirection\": 0.4";
+    (void)state;
+    for (int format = 0; format < FORMATS; ++format) {
+        const char *polynomial = format == HALCON ? "the other way" : NULL;
+        check_lens_round_trip(radial, format, polynomial);
+        check_lens_round_trip(rational, format, polynomial);
+        check_lens_round_trip(prism, format,
+                              polynomial                          ? polynomial
+                              : format == ROS || format == COLMAP ? "neither s1 to s4 nor a tilted"
+                                                                  : NULL);
+        check_lens_round_trip(
+            division, format,
+            format == OPENCV || format == ROS || format == COLMAP ? "no division model" : NULL);
+        check_lens_round_trip(tele, format,
+                              format == OPENCV ? "distortion of a telecentric lens"
+                              : format == ROS || format == COLMAP ? "has no such model"
+                                                                  : NULL);
+    }
+    check_lens_round_trip(PINHOLE "\"tilt\": 0.1, \"tiltDirection\": 0.4", OPENCV, "x and y alone");
+    check_lens_round_trip(PINHOLE "\"tiltX\": 0.1, \"tiltY\": 0.1", HALCON, "both tiltX and tiltY");
 }
 
 /* --- the program --- */
@@ -385,6 +511,8 @@ int main(void) {
         cmocka_unit_test(test_points_lie_where_each_program_puts_them),
         cmocka_unit_test(test_files_of_other_programs),
         cmocka_unit_test(test_what_is_refused),
+        cmocka_unit_test(test_distortion_of_other_programs),
+        cmocka_unit_test(test_distortion_there_and_back),
         cmocka_unit_test(test_the_verb),
     };
     return cmocka_run_group_tests(tests, enter_folder, leave_folder);

@@ -480,6 +480,12 @@ static void test_reference_device(void **state) {
     write_scene("s.gltf", pinhole, panel);
     run_well("render s.gltf --spp 8 --device reference");
     expect_panel("s.exr", 24, 16);
+    /* The variable counts as the option does, which is before it. */
+    assert_int_equal(setenv("MCVISI_OPENCL_DEVICE", "reference", 1), 0);
+    run_well("render s.gltf --spp 8 --json");
+    unsetenv("MCVISI_OPENCL_DEVICE");
+    if (!strstr(out, "\"device\": \"reference")) fail_msg("%s", out);
+    expect_panel("s.exr", 24, 16);
 }
 
 /* The panel is seen alike; the file says what was computed how. Double is the reference renderer,

@@ -36,6 +36,7 @@ static mcv_summary example(void) {
         .seconds_load = 0.5,
         .seconds_write = NAN,
         .error = 0.0084,
+        .error_of_rest = 0.0083,
         .mean = 0.1,
         .preview = {.white = 0.25, .saturated = 0.005},
     };
@@ -69,6 +70,7 @@ static void test_json_holds_what_was_given(void **state) {
     assert_true(number_at(object, NULL, "mean") ==
                 0.1); /* twelve digits give a short decimal back */
     assert_true(number_at(object, NULL, "lost_energy") == 0.0125);
+    assert_true(number_at(object, NULL, "error_of_rest") == 0.0083);
     assert_true(number_at(object, NULL, "saturated") == 0.005);
     assert_true(json_is_null(json_object_get(json_object_get(object, "seconds"), "write")));
     assert_true(json_is_false(json_object_get(object, "interrupted")));
@@ -102,6 +104,10 @@ static void test_text_says_it_in_sentences(void **state) {
               "sr); 0.5 % of the pixels are above the preview's white of 0.25\n  up to 1.2 % of "
               "the light is missing: 12 paths reached the depth limit (--depth)\n  3 samples were "
               "not finite and are ignored\n  rig.exr\n  rig.png\n");
+    free(text);
+    s.error_of_rest = 0.0021; /* few pixels hold most of it */
+    assert_int_equal(mcv_summary_text(&s, &text, &error), MCV_OK);
+    assert_non_null(strstr(text, "\n  without the 16 pixels of the largest error it is 0.21 %\n"));
     free(text);
 }
 

@@ -28,16 +28,16 @@ static inline int close_device(void **state) {
     return 0;
 }
 
-static uint32_t element_features; /* that elements.cl is compiled for */
+static uint64_t element_features; /* that elements.cl is compiled for */
 
 /* Runs a kernel of elements.cl over `count` cases, a multiple of 64. Without a first argument,
  * `first_bytes` is 0. */
 static inline void run_elements(const char *kernel_name, uint32_t sensor_type, const void *first,
                                 size_t first_bytes, size_t count, const void *in, size_t in_bytes,
                                 void *out, size_t out_bytes) {
-    static char built[1024]; /* what the program below is for */
+    static char built[2048]; /* what the program below is for */
     static cl_program program;
-    char options[1024];
+    char options[2048];
     cl_kernel kernel;
     cl_mem first_buffer = NULL;
     cl_mem in_buffer;

@@ -104,7 +104,8 @@ static inline void refuse_images(const char *emitter, uint32_t width, uint32_t h
     refuse_emitters(&(bad_emitter){by_index, "images/0/uri: "}, 1, "no.png");
     refuse_emitters(&(bad_emitter){by_uri, "emitters/e/image: \"bad_image.exr\" "}, 1, "no.png");
     free(write_bytes("bad_image.png", "", 0));
-    refuse_emitters(&(bad_emitter){by_index, "images/0 has no pixels"}, 1, "bad_image.png");
+    refuse_emitters(&(bad_emitter){by_index, "images/0: is neither a PNG nor a JPEG"}, 1,
+                    "bad_image.png");
     mcv_image image;
     BUILD(mcv_image_new(&image, width, height, 1, &builder_error));
     image.pixels[width + 1] = NAN;

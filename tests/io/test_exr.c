@@ -375,8 +375,8 @@ static void test_collected_files(void **state) {
     for (int i = 0; i < 2; ++i) { /* PIZ and PXR24 */
         snprintf(path, sizeof path, "%s/../exr-extreme/%s", folder,
                  i ? "WideFloatRange.exr" : "AllHalfValues.exr");
-        assert_int_equal(mcv_exr_read(path, &exr, &error), MCV_BAD_INPUT);
-        assert_non_null(strstr(error.text, "compression"));
+        if (mcv_exr_read(path, &exr, &error) != MCV_OK) fail_msg("%s", error.text);
+        mcv_exr_free(&exr);
     }
 }
 

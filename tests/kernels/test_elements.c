@@ -561,6 +561,6 @@ int main(void) {
         cmocka_unit_test(test_inverse_of_telecentric),
         cmocka_unit_test(test_inverse_of_light_field),
     };
-    element_features = 1u << MCV_FEATURE_LIGHT_TRACING;
+    element_features = MCV_FEATURE_BIT(LIGHT_TRACING);
     return cmocka_run_group_tests(tests, open_device, close_device);
 }

@@ -230,7 +230,7 @@ static void test_constant_costs_nothing(void **state) {
     add_rectangle(scene, 1, 1, add_diffuse(scene, 0.5), looking_up_z(0, 0, 0));
     add_environment(scene, 2);
     BUILD(mcv_pack(scene, NULL, &packed, &builder_error));
-    assert_int_equal(packed.features, 1u << MCV_FEATURE_DIFFUSE | 1u << MCV_FEATURE_ENVIRONMENT);
+    assert_int_equal(packed.features, MCV_FEATURE_BIT(DIFFUSE) | MCV_FEATURE_BIT(ENVIRONMENT));
     assert_int_equal(packed.emitter_count, 0);
     mcv_packed_free(&packed);
     mcv_scene_free(scene);

@@ -68,17 +68,17 @@ typedef struct world_on_device {
 } world_on_device;
 
 static void open_world(world_on_device *w, const mcv_scene *scene) {
-    char options[1024];
+    char options[2048];
     BUILD(mcv_device_scene_open(&cl, scene, 1, &w->scene, &builder_error));
     const mcv_packed *packed = &w->scene.packed;
     const mcv_frame frame = {.emitter_count = packed->emitter_count,
                              .environment_emitter = packed->environment_emitter};
     BUILD(mcv_cl_write(&cl, w->scene.frame, 0, sizeof frame, &frame, &builder_error));
     /* All kinds of emitters, as in a scene that has them: the cases share programs. */
-    uint32_t features = packed->features | 1u << MCV_FEATURE_PARALLEL | 1u << MCV_FEATURE_AREA |
-                        1u << MCV_FEATURE_BEAM | 1u << MCV_FEATURE_PUNCTUAL;
+    uint64_t features = packed->features | MCV_FEATURE_BIT(PARALLEL) | MCV_FEATURE_BIT(AREA) |
+                        MCV_FEATURE_BIT(BEAM) | MCV_FEATURE_BIT(PUNCTUAL);
     if (features >> MCV_FEATURE_TEXTURE & 1)
-        features |= 1u << MCV_FEATURE_LIGHT_FIELD | 1u << MCV_FEATURE_PROJECTOR;
+        features |= MCV_FEATURE_BIT(LIGHT_FIELD) | MCV_FEATURE_BIT(PROJECTOR);
     mcv_feature_defines(features, packed->channels, MCV_SENSOR_PINHOLE, MCV_SAMPLER_SOBOL,
                         MCV_BLOCK, options, sizeof options);
     BUILD(mcv_cl_build(&cl, "test/emitters", options, &w->program, &builder_error));

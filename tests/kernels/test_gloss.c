@@ -791,9 +791,9 @@ static int close_gloss(void **state) {
 }
 
 static int open_gloss(void **state) {
-    element_features = 1u << MCV_FEATURE_GLOSS | 1u << MCV_FEATURE_ANISOTROPY |
-                       1u << MCV_FEATURE_TEXTURE | 1u << MCV_FEATURE_DIELECTRIC |
-                       1u << MCV_FEATURE_COATING;
+    element_features = MCV_FEATURE_BIT(GLOSS) | MCV_FEATURE_BIT(ANISOTROPY) |
+                       MCV_FEATURE_BIT(TEXTURE) | MCV_FEATURE_BIT(DIELECTRIC) |
+                       MCV_FEATURE_BIT(COATING);
     return open_device(state);
 }
 

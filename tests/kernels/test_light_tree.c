@@ -127,7 +127,7 @@ static void test_chances(void **state) {
     mcv_scene *scene = make_scene(false);
     mcv_device_scene device;
     cl_program program;
-    char options[1024];
+    char options[2048];
     float *in = malloc(8 * sizeof(float) * CASES), *out = malloc(8 * sizeof(float) * CASES);
     assert_true(in && out);
     BUILD(mcv_device_scene_open(&cl, scene, 1, &device, &builder_error));

@@ -271,7 +271,7 @@ static void test_choices(void **state) {
 }
 
 static int open_retroreflector(void **state) {
-    element_features = 1u << MCV_FEATURE_REFLECTOR;
+    element_features = MCV_FEATURE_BIT(REFLECTOR);
     return open_device(state);
 }
 

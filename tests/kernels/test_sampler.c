@@ -106,6 +106,6 @@ int main(void) {
         cmocka_unit_test(test_points_are_a_net),
         cmocka_unit_test(test_pairs_do_not_know_of_each_other),
     };
-    element_features = 1u << MCV_FEATURE_LIGHT_TRACING; /* the program of test_elements */
+    element_features = MCV_FEATURE_BIT(LIGHT_TRACING); /* the program of test_elements */
     return cmocka_run_group_tests(tests, open_device, close_device);
 }

@@ -182,3 +182,13 @@ def test_light_field(folder):
     assert image.views().shape[:2] == (rows, columns)
     gradient = image.emd_gradient(form="mass")
     assert gradient.shape[0] < rows
+
+
+def test_detectability_of_a_difference(rig):
+    without = rig.render(spp=16, parts="replicates", progress=False)
+    same = without.detect(without, electrons_per_unit=1000)
+    assert same["detectability"]["high"] == 0
+    assert same["found_at_1_percent_false_calls"] == pytest.approx(0.01)
+    assert same["values"] == without.array.size
+    with pytest.raises(mv.UsageError, match="exactly once"):
+        without.detect(without)

@@ -100,6 +100,35 @@ def test_progress_stops_the_render(rig):
     assert image.report["interrupted"] is True
 
 
+def test_a_render_goes_on_from_its_checkpoint(rig, tmp_path):
+    film = tmp_path / "render.film"
+    options = {"spp": 2**14, "progress": False}
+
+    def stop_later(state):
+        state.save()
+        return not film.exists()
+
+    stopped = rig.render(**{**options, "progress": stop_later}, checkpoint=film)
+    assert stopped.report["interrupted"] is True and film.exists()
+    resumed = rig.render(**options, checkpoint=film, resume=True)
+    assert not film.exists()
+    assert np.array_equal(np.asarray(resumed), np.asarray(rig.render(**options)))
+    with pytest.raises(mv.UsageError, match="checkpoint"):
+        rig.render(**options, resume=True)
+
+
+def test_parts_are_merged(rig, tmp_path):
+    films = [tmp_path / ("%d.film" % i) for i in (0, 1)]
+    for i, film in enumerate(films):
+        rig.render(samples=(8 * i, 8 * i + 8), film=film, progress=False)
+    whole = rig.render(samples=(0, 16), progress=False)
+    image = mv.merge(films[::-1], output=tmp_path / "merged.exr")
+    assert np.array_equal(np.asarray(image), np.asarray(whole))
+    assert np.array_equal(np.asarray(mv.read(tmp_path / "merged.exr")), np.asarray(whole))
+    with pytest.raises(mv.BadInput, match="samples 8:16|both hold"):
+        mv.merge([films[0], films[0]])
+
+
 def test_an_exception_of_progress_stops_the_render(rig):
     def progress(state):
         if state.image() is not None:

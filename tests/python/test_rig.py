@@ -241,3 +241,15 @@ def test_camera_models_go_to_other_programs_and_back(rig, tmp_path):
         rig.export_camera(format="ros")
     with pytest.raises(mv.UsageError, match="already"):
         rig.import_camera(path)
+
+
+def test_defects_are_put_onto_surfaces(rig):
+    node = rig["nodes"][0]["name"]
+    added = rig.add_defect("dent", node=node, triangle="0", size="0.1mm", with_=["shape=cosine"])
+    assert added["defect"] == "dent-1" and added["size"] == pytest.approx(1e-4)
+    assert added["depth"] == pytest.approx(1e-5)  # a tenth
+    rig.defects["dent-1"].size = "0.2mm"
+    assert rig["defects/dent-1/size"] == "0.2mm"
+    with pytest.raises(mv.BadInput, match="off the surface"):
+        rig.add_defect("bump", node=node, at="1m,1m,1m", size="0.1mm")
+    assert len(rig["defects"]) == 1

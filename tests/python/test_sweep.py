@@ -173,3 +173,18 @@ def test_another_thread_may_stop_it(rig):
     before = time.monotonic()
     assert len(sweep.rows) < 2 and time.monotonic() - before < 60
     assert rig.render(spp=16, progress=False).shape == (64, 96)
+
+
+def test_uncertainty(rig):
+    # Light of half the stop's area is half as bright: the spread of the mean is that of d².
+    study = rig.uncertainty(
+        {"sensors/camera/fNumber": "normal(8,0.1)"}, metrics=["mean"], spp=16, trials=0
+    )
+    (name,) = study.metrics
+    first = study.metrics[name]["first_order"]
+    assert first["uncertainty"]["value"] == pytest.approx(
+        first["centre"]["value"] * 2 * 0.1 / 8, rel=0.02
+    )
+    assert len(study) == 4 * 3 and "Uncertainty" in repr(study)
+    with pytest.raises(mv.UsageError, match="must be normal"):
+        _ = rig.uncertainty({"sensors/camera/fNumber": "gauss(1)"}, metrics=["mean"]).rows

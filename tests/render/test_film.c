@@ -132,6 +132,37 @@ static void test_develop_gives_mean_and_standard_error(void **state) {
     mcv_film_free(&film);
 }
 
+/* 40 pixels whose two replicates are 1 ± d: d is the standard error, and the mean is 1. Without the
+ * 16 largest, in any order, the sum of squares is that of the other 24. A single replicate and a
+ * black image are as for all pixels. */
+static void test_error_without_the_worst(void **state) {
+    enum { PIXELS = 40 };
+    mcv_error error = {""};
+    mcv_film film;
+    double squares = 0;
+    (void)state;
+    assert_int_equal(mcv_film_new(&film, PIXELS, 1, 1, 2, &error), MCV_OK);
+    film.samples = 1;
+    for (int i = 0; i < PIXELS; ++i) {
+        const int rank = i * 17 % PIXELS; /* each of 0 to 39, once */
+        const double d = rank / 64.0;
+        film.sums[i] = 1 + d;
+        film.sums[PIXELS + i] = 1 - d;
+        if (rank < PIXELS - MCV_FILM_WORST) squares += d * d;
+    }
+    const double expected = sqrt(squares / PIXELS);
+    assert_true(fabs(mcv_film_error_of_rest(&film) - expected) <= 1e-13 * expected);
+    for (int i = 0; i < PIXELS; ++i) film.sums[i] = film.sums[PIXELS + i] = i < 5 ? 2 : 1;
+    film.sums[7] = 3;
+    assert_true(mcv_film_relative_error(&film) > 0 && mcv_film_error_of_rest(&film) == 0);
+    mcv_film_free(&film);
+    assert_int_equal(mcv_film_new(&film, PIXELS, 1, 1, 1, &error), MCV_OK);
+    film.samples = 1;
+    film.sums[0] = 1;
+    assert_true(isnan(mcv_film_error_of_rest(&film)));
+    mcv_film_free(&film);
+}
+
 static void test_develop_at_the_edges(void **state) {
     (void)state;
     mcv_error error = {""};
@@ -210,6 +241,7 @@ int main(void) {
         cmocka_unit_test(test_splats_are_added),
         cmocka_unit_test(test_merge_refuses_what_does_not_fit),
         cmocka_unit_test(test_develop_gives_mean_and_standard_error),
+        cmocka_unit_test(test_error_without_the_worst),
         cmocka_unit_test(test_develop_at_the_edges),
         cmocka_unit_test(test_standard_error_covers_the_truth),
     };

@@ -19,8 +19,6 @@
 #include "render/render.h"
 #include "loader/load.h"
 
-#define BIT(NAME) (1u << MCV_FEATURE_##NAME)
-
 static char root[64]; /* a copy of the sources of the programs */
 
 static const char *const programs[] = {"schedule/tile", "schedule/stream", "schedule/trace"};
@@ -30,29 +28,32 @@ enum { PROGRAMS = sizeof programs / sizeof programs[0] };
  * it. */
 static const struct {
     const char *path;
-    uint32_t features;
+    uint64_t features;
 } element_headers[] = {
-    {"emitters/parallel.h", BIT(PARALLEL)},
+    {"emitters/parallel.h", MCV_FEATURE_BIT(PARALLEL)},
     {"emitters/telecentric_projector.h", 0},
-    {"emitters/light_field.h", BIT(LIGHT_FIELD)},
-    {"emitters/projector.h", BIT(PROJECTOR)},
-    {"emitters/area.h", BIT(AREA)},
-    {"emitters/environment.h", BIT(ENVIRONMENT_IMAGE)},
-    {"emitters/collimated_beam.h", BIT(BEAM)},
-    {"emitters/point.h", BIT(PUNCTUAL)},
-    {"emitters/spot.h", BIT(PUNCTUAL)},
-    {"emitters/directional.h", BIT(PUNCTUAL)},
-    {"materials/diffuse.h", BIT(DIFFUSE)},
-    {"materials/dielectric.h", BIT(DIELECTRIC)},
-    {"materials/sheet.h", BIT(SHEET)},
+    {"emitters/light_field.h", MCV_FEATURE_BIT(LIGHT_FIELD)},
+    {"emitters/projector.h", MCV_FEATURE_BIT(PROJECTOR)},
+    {"emitters/area.h", MCV_FEATURE_BIT(AREA)},
+    {"emitters/environment.h", MCV_FEATURE_BIT(ENVIRONMENT_IMAGE)},
+    {"emitters/collimated_beam.h", MCV_FEATURE_BIT(BEAM)},
+    {"emitters/point.h", MCV_FEATURE_BIT(PUNCTUAL)},
+    {"emitters/spot.h", MCV_FEATURE_BIT(PUNCTUAL)},
+    {"emitters/directional.h", MCV_FEATURE_BIT(PUNCTUAL)},
+    {"materials/diffuse.h", MCV_FEATURE_BIT(DIFFUSE)},
+    {"materials/dielectric.h", MCV_FEATURE_BIT(DIELECTRIC)},
+    {"materials/sheet.h", MCV_FEATURE_BIT(SHEET)},
     {"materials/mirror.h", 0},
-    {"materials/beam_splitter.h", BIT(SHEET)},
+    {"materials/beam_splitter.h", MCV_FEATURE_BIT(SHEET)},
     {"materials/conductor.h", 0},
     {"materials/metallic_roughness.h", 0},
-    {"materials/microfacet.h", BIT(GLOSS)},
-    {"materials/brushed.h", BIT(GLOSS)},
-    {"materials/retroreflector.h", BIT(REFLECTOR)},
+    {"materials/microfacet.h", MCV_FEATURE_BIT(GLOSS)},
+    {"materials/brushed.h", MCV_FEATURE_BIT(GLOSS)},
+    {"materials/retroreflector.h", MCV_FEATURE_BIT(REFLECTOR)},
     {"materials/absorber.h", 0},
+    {"sensors/distortion.h", MCV_FEATURE_BIT(DISTORTION)},
+    {"sensors/aperture.h", MCV_FEATURE_BIT(APERTURE)},
+    {"motion.h", MCV_FEATURE_BIT(MOTION)},
 };
 
 static const char *const sensor_headers[] = {
@@ -130,9 +131,9 @@ static void fail_at_difference(const char *what, const char *program, const char
     fail_msg("%s: %s.cl holds what it does not need: ...%.160s...", what, program, full + from);
 }
 
-static void expect_nothing_unneeded(const char *what, uint32_t features, uint32_t channels,
+static void expect_nothing_unneeded(const char *what, uint64_t features, uint32_t channels,
                                     uint32_t sensor) {
-    char options[1024];
+    char options[2048];
     char *full[PROGRAMS];
     mcv_feature_defines(features, channels, sensor, MCV_SAMPLER_SOBOL, 256, options,
                         sizeof options);
@@ -143,11 +144,12 @@ static void expect_nothing_unneeded(const char *what, uint32_t features, uint32_
                                         "_connect(",  "_footprint(",           "_emit("};
     enum { OF_LIGHT = sizeof light / sizeof light[0] };
     for (int p = 0; p < PROGRAMS * OF_LIGHT; ++p)
-        if (!(features & BIT(LIGHT_TRACING)) && strstr(full[p / OF_LIGHT], light[p % OF_LIGHT]))
+        if (!(features & MCV_FEATURE_BIT(LIGHT_TRACING)) &&
+            strstr(full[p / OF_LIGHT], light[p % OF_LIGHT]))
             fail_msg("%s: %s.cl holds %s without light-tracing", what, programs[p / OF_LIGHT],
                      light[p % OF_LIGHT]);
     for (int p = 0; p < PROGRAMS; ++p)
-        if (!(features & BIT(MIXED)) && strstr(full[p], "mcv_dvec"))
+        if (!(features & MCV_FEATURE_BIT(MIXED)) && strstr(full[p], "mcv_dvec"))
             fail_msg("%s: %s.cl computes in double", what, programs[p]);
     for (size_t i = 0; i < sizeof element_headers / sizeof element_headers[0]; ++i)
         if (!(element_headers[i].features & features)) empty_header(element_headers[i].path);
@@ -221,25 +223,32 @@ static void test_single_features(void **state) {
 #undef MCV_X
     };
     for (uint32_t i = 0; i < MCV_FEATURE_COUNT; ++i)
-        expect_nothing_unneeded(words[i], 1u << i, 1 + 2 * (i & 1), i % MCV_SENSOR_COUNT);
+        expect_nothing_unneeded(words[i], UINT64_C(1) << i, 1 + 2 * (i & 1), i % MCV_SENSOR_COUNT);
 }
 
 static void test_a_needed_header_is_missed(void **state) {
     (void)state;
-    const uint32_t all = MCV_ALL_FEATURES;
-    char options[1024];
+    const uint64_t all = MCV_ALL_FEATURES;
+    char options[2048], lens_options[2048];
     mcv_feature_defines(all, 3, MCV_SENSOR_LIGHT_FIELD, MCV_SAMPLER_SOBOL, 256, options,
                         sizeof options);
+    /* Light field cameras have neither distortion nor such apertures. */
+    mcv_feature_defines(all, 3, MCV_SENSOR_THIN_LENS, MCV_SAMPLER_SOBOL, 256, lens_options,
+                        sizeof lens_options);
     restore_sources();
-    char *full = preprocess("schedule/tile", options);
+    char *full = preprocess("schedule/tile", options),
+         *lens = preprocess("schedule/tile", lens_options);
     for (size_t i = 0; i < sizeof element_headers / sizeof element_headers[0]; ++i) {
+        const bool of_lens = strncmp(element_headers[i].path, "sensors/", 8) == 0;
         if (element_headers[i].features == 0) continue;
         empty_header(element_headers[i].path);
-        char *without = preprocess("schedule/tile", options);
-        if (strcmp(full, without) == 0) fail_msg("%s: nobody misses it", element_headers[i].path);
+        char *without = preprocess("schedule/tile", of_lens ? lens_options : options);
+        if (strcmp(of_lens ? lens : full, without) == 0)
+            fail_msg("%s: nobody misses it", element_headers[i].path);
         free(without);
         restore_sources();
     }
+    free(lens);
     empty_header(sensor_headers[MCV_SENSOR_LIGHT_FIELD]);
     char *without = preprocess("schedule/tile", options);
     assert_string_not_equal(full, without);

@@ -6,6 +6,7 @@
 
 #include "analysis/render_error.h"
 #include "io/exr.h"
+#include "core/output_file.h"
 #include "io/values.h"
 #include "reference/sensor_ray.h"
 #include "scene/camera_model.h"
@@ -511,6 +512,59 @@ static void test_every_file_tells(void **state) {
     free(path);
 }
 
+/* The report of `mcvisi measure` with these options. */
+static json_t *measured(const char *options) {
+    char *line =
+             text_of("measure %s --region r=@part:-20.1mm,9.9mm,0mm,0.4mm,0.2mm --json", options),
+         *command = text_of("%s %s >camera_model.json 2>camera_model.err", PROGRAM, line);
+    if (system(command) != 0) fail_msg("mcvisi %s fails, see camera_model.err", line);
+    json_t *report = json_load_file("camera_model.json", 0, NULL);
+    assert_non_null(report);
+    free(line);
+    free(command);
+    return report;
+}
+
+/*
+ * An image of other pixels than the scene's sensor has. Its header tells that --resolution changed
+ * them: scene and header then say the same places and lengths. A sensor of another film is another
+ * one, and so is an image without header.
+ */
+static void test_resized_images_go_with_their_scene(void **state) {
+    static const char *const wrong[] = {"cm.exr --set sensors/cam/pixelSize=4um", "cm-bare.png"};
+    (void)state;
+    char *path = write_bytes("camera_model.gltf", rig, strlen(rig));
+    char *line = text_of("render %s --device reference --spp 4 -o cm.exr --resolution 80x90", path),
+         *with = text_of("cm.exr --scene %s", path);
+    run(line);
+    json_t *header = measured("cm.exr"), *scene = measured(with);
+    free(line);
+    free(with);
+    if (!json_equal(header, scene)) fail_msg("with --scene the report is another one");
+    json_decref(header);
+    json_decref(scene);
+    mcv_image bare;
+    BUILD(mcv_image_new(&bare, 80, 90, 1, &builder_error));
+    BUILD(mcv_values_write("cm-bare.png", &bare, 8, &builder_error));
+    mcv_image_free(&bare);
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i) {
+        char *command = text_of("%s measure %s --scene %s >/dev/null 2>camera_model.err", PROGRAM,
+                                wrong[i], path);
+        assert_int_not_equal(system(command), 0);
+        free(command);
+        uint8_t *said;
+        size_t size;
+        BUILD(mcv_file_load("camera_model.err", &said, &size, &builder_error));
+        if (!memmem(said, size, "80 x 90 pixels, but sensor cam", 30))
+            fail_msg("%s: %.*s", wrong[i], (int)size, (const char *)said);
+        free(said);
+    }
+    unlink("cm.exr");
+    unlink("cm.png");
+    unlink("cm-bare.png");
+    free(path);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_points_lie_where_rays_see_them),
@@ -522,6 +576,7 @@ int main(void) {
         cmocka_unit_test(test_nodes_by_name),
         cmocka_unit_test(test_nodes_of_a_file),
         cmocka_unit_test(test_every_file_tells),
+        cmocka_unit_test(test_resized_images_go_with_their_scene),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -50,7 +50,8 @@ static void write_box(double width) {
 static mcv_scene *load(mcv_asset_cache *kept) {
     mcv_scene *scene;
     mcv_error error;
-    if (mcv_scene_load_cached("rig.gltf", (mcv_overrides){NULL, 0}, kept, &scene, &error) != MCV_OK)
+    if (mcv_scene_load_cached("rig.gltf", (mcv_overrides){NULL, 0}, 0, kept, &scene, &error) !=
+        MCV_OK)
         fail_msg("%s", error.text);
     return scene;
 }
@@ -114,9 +115,9 @@ static void test_changes_are_seen(void **state) {
         mcv_error error, without;
         mcv_scene *scene, *plain;
         if (change == 3) {
-            assert_int_equal(
-                mcv_scene_load_cached("rig.gltf", (mcv_overrides){NULL, 0}, kept, &scene, &error),
-                MCV_BAD_INPUT);
+            assert_int_equal(mcv_scene_load_cached("rig.gltf", (mcv_overrides){NULL, 0}, 0, kept,
+                                                   &scene, &error),
+                             MCV_BAD_INPUT);
             assert_int_equal(mcv_scene_load("rig.gltf", (mcv_overrides){NULL, 0}, &plain, &without),
                              MCV_BAD_INPUT);
             assert_string_equal(error.text, without.text);

@@ -137,8 +137,8 @@ static void test_single_faults(void **state) {
         {"{\"mesh\":0}", "{\"matrix\":[1,0,0,0,1,1,0,0,0,0,1,0,0,0,0,1]}",
          "nodes/0: its matrix shears"},
         {"{\"mesh\":0}",
-         "{\"mesh\":0,\"scale\":[1e200,1,1],\"children\":[1]},{\"mesh\":0,\"scale\":[1e200,1,1]}",
-         "nodes/1: its transform must be finite"},
+         "{\"mesh\":0,\"scale\":[1e10,1,1],\"children\":[1]},{\"mesh\":0,\"scale\":[1e10,1,1]}",
+         "nodes/1: it reaches to 1e+20 m"},
         {"{\"mesh\":0}",
          "{\"camera\":0}],\"cameras\":[{\"type\":\"perspective\",\"perspective\":{\"yfov\":0,"
          "\"znear\":1}}",
@@ -425,11 +425,11 @@ static void test_bad_files(void **state) {
     ASSET "\"images\":[{\"uri\":\"" uri "\"}],\"textures\":[{\"source\":0}]," \
           "\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}}]}"
     refuse(PICTURE("missing.png"), "images/0/uri: ");
-    refuse(PICTURE("bad_input.gltf"), "images/0 is neither a PNG nor a JPEG");
-    refuse(PICTURE("data:image/png;base64,AAAA"), "images/0 is neither a PNG nor a JPEG");
+    refuse(PICTURE("bad_input.gltf"), "images/0: is neither a PNG nor a JPEG");
+    refuse(PICTURE("data:image/png;base64,AAAA"), "images/0: is neither a PNG nor a JPEG");
     /* A PNG's head that promises 60000 x 60000 pixels. */
     refuse(PICTURE("data:image/png;base64,iVBORw0KGgoAAAANSUhEUgAA6mAAAOpgCAIAAAAA"),
-           "images/0 has more than 2^27 pixels");
+           "images/0: has more than 2^27 pixels");
 }
 
 /* A GLB that ends anywhere before its end. */
@@ -613,6 +613,7 @@ static int compare_with_validator(const char *path, const struct stat *status, i
 static void test_validator_files(void **state) {
     (void)state;
     const char *folder = MCV_SOURCE_DIR "/../shared/data/gltf-validator";
+    if (access(folder, R_OK) != 0) folder = MCV_SOURCE_DIR "/../../shared/data/gltf-validator";
     validated = agreed = excepted = 0;
     if (nftw(folder, compare_with_validator, 16, FTW_PHYS) != 0 || validated == 0) {
         print_message("%s is absent: skipped\n", folder);

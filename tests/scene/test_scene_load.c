@@ -899,6 +899,43 @@ static void test_pose(void **state) {
     }
 }
 
+/* As test_pose: a shift, a turn about one axis, and a third of a turn about the diagonal, which
+ * takes x to y, y to z and z to x. What is aimed at does not take the camera along. */
+static void test_misalignment(void **state) {
+    (void)state;
+#define STANDS "\"target\":\"part\",\"distance\":0.5"
+    static const struct {
+        const char *pose, *set;
+        double position[3], right[3], view[3];
+    } cases[] = {
+        {STANDS, "nodes/cam/shiftX=50cm", {1.5, 2, 3.5}, {1, 0, 0}, {0, 0, -1}},
+        {STANDS, "nodes/cam/turnY=90deg", {1, 2, 3.5}, {0, 0, -1}, {-1, 0, 0}},
+        {STANDS, "nodes/part/shiftX=1", {1, 2, 3.5}, {1, 0, 0}, {0, 0, -1}},
+        {STANDS "},\"MCVISI_misalignment\":{\"turnX\":\"69.28203230275509deg\",\"turnY\":"
+                "\"69.28203230275509deg\",\"turnZ\":\"69.28203230275509deg\",\"shiftZ\":\"-5mm\"",
+         "nodes/cam/shiftY=1mm",
+         {1, 2.001, 3.495},
+         {0, 1, 0},
+         {-1, 0, 0}},
+    };
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; ++k) {
+        mcv_scene *scene = load_pose(cases[k].pose, cases[k].set);
+        const double *m = scene->sensors[0].to_world.m;
+        for (int i = 0; i < 3; ++i) {
+            assert_close(m[9 + i], cases[k].position[i], 8, 8, cases[k].pose);
+            assert_close(m[3 * i], cases[k].right[i], 1, 8, cases[k].pose);
+            assert_close(-m[3 * i + 2], cases[k].view[i], 1, 8, cases[k].pose);
+        }
+        mcv_scene_free(scene);
+    }
+    /* In the axes of the parent, which is turned by 180° about y and twice as large. */
+    mcv_scene *scene = load_pose(STANDS, "nodes/part/shiftX=10cm");
+    for (uint32_t i = 0; i < scene->frame_count; ++i)
+        if (strcmp(scene->frames[i].name, "part") == 0)
+            assert_close(scene->frames[i].to_world.m[9], 0.8, 8, 8, "the part");
+    mcv_scene_free(scene);
+}
+
 /* A file in millimetres placed twice: its meshes come once, its camera not at all, its lamp glows.
  */
 static void test_assets(void **state) {
@@ -1025,6 +1062,7 @@ int main(void) {
                                        cmocka_unit_test(test_needles),
                                        cmocka_unit_test(test_extras),
                                        cmocka_unit_test(test_pose),
+                                       cmocka_unit_test(test_misalignment),
                                        cmocka_unit_test(test_assets)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -4,6 +4,7 @@
 #include "test.h"
 
 #include "scene_files.h"
+#include "sensor_json.h"
 
 #include "scene/emitters.h"
 #include "scene/params.h"
@@ -69,22 +70,6 @@ static void test_quantities(void **state) {
         if (mcv_parse_quantity(bad[i].text, bad[i].kind, &value))
             fail_msg("\"%s\" must be refused, not %g", bad[i].text, value);
     }
-}
-
-/* Parses a JSON object as a sensor of this type, checks and resolves it. */
-static mcv_result sensor_of(uint32_t type, const char *json, mcv_sensor *sensor, mcv_error *error) {
-    static const char *const others[] = {NULL};
-    const mcv_json_path file = mcv_place_file("rig.gltf"), place = mcv_json_path_key(&file, "cam");
-    json_t *object = json_loads(json, 0, NULL);
-    assert_non_null(object);
-    *sensor = (mcv_sensor){.type = type};
-    error->text[0] = '\0';
-    const mcv_param_table table = mcv_sensor_table(type);
-    mcv_params_set_defaults(table, &sensor->as);
-    mcv_result result = mcv_params_parse(table, object, others, &sensor->as, &place, error);
-    if (result == MCV_OK) result = mcv_sensor_resolve(sensor, &place, error);
-    json_decref(object);
-    return result;
 }
 
 #define TELECENTRIC_FILM "\"resolution\":[2448,2048],\"pixelSize\":\"3.45um\""

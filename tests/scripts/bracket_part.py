@@ -25,66 +25,68 @@ DEFAULTS = dict(
 )
 
 
-def cell(box, centre, diameter, segments):
-    """The quadrilaterals between a circle and the rectangle around it, and the circle's corners,
-    counter-clockwise."""
-    x0, y0, x1, y1 = box
-    step = 2 * math.pi / segments
-    # The polygon whose area is the circle's.
-    radius = diameter / 2 * math.sqrt(step / math.sin(step))
-    angles = {i * step for i in range(segments)}
-    # The rectangle's corners are corners of the outer side.
-    angles |= {
-        math.atan2(y - centre[1], x - centre[0]) % (2 * math.pi) for x in (x0, x1) for y in (y0, y1)
-    }
-    inner, outer = [], []
-    for angle in sorted(angles):
-        c, s = math.cos(angle), math.sin(angle)
-        # On the polygon's side, where the angle is none of its corners.
-        within = angle % step
-        r = (
-            radius * math.cos(step / 2) / math.cos(min(within, step - within) - step / 2)
-            if min(within, step - within) > 1e-9
-            else radius
-        )
-        reach = min(
-            ((x1 if c > 0 else x0) - centre[0]) / c if abs(c) > 1e-12 else math.inf,
-            ((y1 if s > 0 else y0) - centre[1]) / s if abs(s) > 1e-12 else math.inf,
-        )
-        inner.append((centre[0] + r * c, centre[1] + r * s))
-        outer.append((centre[0] + reach * c, centre[1] + reach * s))
-    return inner, outer
+def ring(circle, outline):
+    """Triangles between a regular polygon and a convex outline around it, both counter-clockwise,
+    the polygon from the angle 0. A side of the outline goes with the polygon's corner that is
+    nearest to it: this corner sees the whole side."""
+    triangles = []
+    count = len(circle)
+    sides = list(zip(outline, outline[1:] + outline[:1]))
+    at = [
+        round(math.atan2(ax - bx, by - ay) / (2 * math.pi) * count) % count
+        for (ax, ay), (bx, by) in sides
+    ]
+    for i, (a, b) in enumerate(sides):
+        triangles.append((circle[at[i]], a, b))
+        # The polygon's sides up to the next side of the outline lie at its corner b.
+        for k in range((at[(i + 1) % len(sides)] - at[i]) % count):
+            j = (at[i] + k) % count
+            triangles.append((circle[j], b, circle[(j + 1) % count]))
+    return triangles
 
 
 def bracket(width, height, thickness, bore, pitch_x, pitch_y, hole, segments):
-    """Triangles of corners (x, y, z) in mm."""
+    """Triangles of corners (x, y, z) in mm: a closed body."""
     triangles = []
+    step = 2 * math.pi / segments
 
-    def quad(a, b, c, d):
-        triangles.append((a, b, c))
-        triangles.append((a, c, d))
+    def wall(a, b):
+        """The quadrilateral above the side from a to b, whose outside is to the right."""
+        triangles.append(((*a, 0), (*b, 0), (*b, thickness)))
+        triangles.append(((*a, 0), (*b, thickness), (*a, thickness)))
 
-    # Columns: hole | bore | hole; the outer columns are two cells high, the middle is one.
+    # Columns: hole | bore | hole; the outer columns are two cells high, the middle is one. Where
+    # two outer cells meet, the middle one has a corner, too.
     split = pitch_x / 4 + bore / 4
     w, h = width / 2, height / 2
-    cells = [((-split, -h, split, h), (0, 0), bore)]
+    cells = [
+        (
+            [(split, 0), (split, h), (-split, h), (-split, 0), (-split, -h), (split, -h)],
+            (0, 0),
+            bore,
+        )
+    ]
     for sx in (-1, 1):
         for sy in (-1, 1):
-            box = (min(sx * split, sx * w), min(0, sy * h), max(sx * split, sx * w), max(0, sy * h))
-            cells.append((box, (sx * pitch_x / 2, sy * pitch_y / 2), hole))
-    for box, centre, diameter in cells:
-        inner, outer = cell(box, centre, diameter, segments)
-        for i in range(len(inner)):
-            j = (i + 1) % len(inner)
-            (ax, ay), (bx, by), (cx, cy), (dx, dy) = inner[i], outer[i], outer[j], inner[j]
-            quad((ax, ay, thickness), (bx, by, thickness), (cx, cy, thickness), (dx, dy, thickness))
-            quad((ax, ay, 0), (dx, dy, 0), (cx, cy, 0), (bx, by, 0))
-            quad((ax, ay, 0), (ax, ay, thickness), (dx, dy, thickness), (dx, dy, 0))
-    t = thickness
-    for (x, y), (u, v) in zip(
-        ((-w, -h), (w, -h), (w, h), (-w, h)), ((w, -h), (w, h), (-w, h), (-w, -h))
-    ):
-        quad((x, y, 0), (u, v, 0), (u, v, t), (x, y, t))
+            x0, x1 = sorted((sx * split, sx * w))
+            y0, y1 = sorted((0, sy * h))
+            corners = [(x1, y1), (x0, y1), (x0, y0), (x1, y0)]
+            cells.append((corners, (sx * pitch_x / 2, sy * pitch_y / 2), hole))
+    for outline, (x, y), diameter in cells:
+        # The polygon whose area is the circle's.
+        radius = diameter / 2 * math.sqrt(step / math.sin(step))
+        circle = [
+            (radius * math.cos(i * step) + x, radius * math.sin(i * step) + y)
+            for i in range(segments)
+        ]
+        for a, b, c in ring(circle, outline):
+            triangles.append(((*a, thickness), (*b, thickness), (*c, thickness)))
+            triangles.append(((*a, 0), (*c, 0), (*b, 0)))
+        for a, b in zip(circle, circle[1:] + circle[:1]):
+            wall(b, a)
+        for a, b in zip(outline, outline[1:] + outline[:1]):
+            if abs(a[0]) == abs(b[0]) == w or abs(a[1]) == abs(b[1]) == h:
+                wall(a, b)
     return triangles
 
 

@@ -26,7 +26,8 @@ SPAN = re.compile(r"(`+)(?P<code>.+?)\1", re.S)
 OPTION = re.compile(r"(?<![\w-])--[a-z][a-z0-9-]*")
 # A line of code that calls another program has that program's options.
 OTHERS = re.compile(
-    r"(\w+=\S* )*(sudo |\$ )?(apt-get|cc|cmake|ctest|git|pip|python3?|build/release/bench/\S+)\b"
+    r"(\w+=\S* )*(sudo |\$ )?(apt-get|cc|cmake|ctest|git|pip|python3?|parallel|build/release/bench/\S+)\b"
+    r"|seq .*\| parallel |#SBATCH |--sshloginfile"
 )
 ITEM = re.compile(r"\s*([-*+]|\d+\.|:  ) ")
 

@@ -58,7 +58,7 @@ def compare(script, kept, made):
 
 def elements(sources):
     """sensors/pinhole and so on, of all schemas that hold a list of types."""
-    for name in ("sensors", "emitters", "materials", "surfaces"):
+    for name in ("sensors", "emitters", "materials", "surfaces", "defects"):
         path = os.path.join(sources, "include/mcvisi/schema/MCVISI_%s.schema.json" % name)
         for key in json.loads(read(path))["definitions"]:
             if key != "node":

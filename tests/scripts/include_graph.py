@@ -12,7 +12,8 @@ The standard library alone. What is wrong:
 - an include in host/cli of anything but mcvisi/mcvisi.h, itself, the option list (host/options) and
   its ground (host/core): the command line is a client of the public header;
 - an include that leads to no file;
-- a file of host/ or include/ above 400 lines, of kernels/ above 250, test programs not counted;
+- a file of host/ or include/ above 400 lines, of kernels/ above 250, test programs not counted; the
+  public header is one file for those who use it, and may have 800;
 - a line above 100 columns.
 """
 
@@ -57,7 +58,8 @@ class Tree:
         text = path.read_text(encoding="utf-8")
         lines = text.splitlines()
         if not name.startswith("kernels/test/"):
-            self.measure(name, "lines", len(lines), MOST_LINES[name.split("/")[0]])
+            most = MOST_LINES[name.split("/")[0]]
+            self.measure(name, "lines", len(lines), 800 if name == "include/" + PUBLIC else most)
         widest = max(map(len, lines), default=0)
         if widest > MOST_COLUMNS:
             number = 1 + next(i for i, line in enumerate(lines) if len(line) > MOST_COLUMNS)
@@ -137,6 +139,7 @@ PLANTED = (
     ({"host/a/a.c": '#include "none.h"\n'}, ('includes "none.h", which is no file',)),
     ({"host/a/a.c": "\n" * 401}, ("host/a/a.c: has 401 lines",)),
     ({"include/mcvisi/a.h": "\n" * 401}, ("include/mcvisi/a.h: has 401 lines",)),
+    ({"include/mcvisi/mcvisi.h": "\n" * 801}, ("include/mcvisi/mcvisi.h: has 801 lines",)),
     ({"kernels/a.cl": "\n" * 251}, ("kernels/a.cl: has 251 lines",)),
     ({"host/a/a.c": "int a;\n/* " + "µ" * 98 + "\n"}, ("host/a/a.c:2: has 101 columns",)),
 )

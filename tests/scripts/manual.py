@@ -30,9 +30,10 @@ def known_options(program):
     """Each verb with its options, and each option with its words or None."""
     verbs = re.findall(r"^  mcvisi ([a-z][a-z-]+)", output(program, "help"), re.M)
     schemas = {v: json.loads(output(program, "help", v, "--json"))["properties"] for v in verbs}
-    # An experiment has two keys of its own beside the options of sweep.
-    for key in ("rig", "fingerprint"):
-        schemas["sweep"].pop(key)
+    # An experiment has keys of its own beside the options of its verb.
+    for verb in ("sweep", "uncertainty", "optimize"):
+        for key in ("rig", "fingerprint", "pod"):
+            schemas[verb].pop(key, None)
     # True is a choice in JSON only: on the command line it is the option alone.
     return {
         v: {o: words_of(s) for o, s in schema.items()} for v, schema in schemas.items()
@@ -85,13 +86,13 @@ def check_completion(options, script, folder):
     for name in files:
         (folder / name).touch()
     complete.expect([""], ["--help", "--version", *options])
-    complete.expect(["re"], ["render"])
+    complete.expect(["ren"], ["render"])
     for verb, names in options.items():
         complete.expect([verb, "--"], ["--help", *(f"--{n}" for n in names)])
         for name, words in names.items():
             if words:
                 complete.expect([verb, f"--{name}", ""], words)
-    complete.expect(["help", "me"], ["measure"])
+    complete.expect(["help", "mea"], ["measure"])
     complete.expect(["render", ""], files)
     complete.expect(["render", "--json", "--spp", "64", "sc"], ["scene.gltf"])
     complete.expect(["render", "--spp", ""], [])

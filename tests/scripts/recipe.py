@@ -5,8 +5,8 @@ measure with its CAD dimensions.
 
 recipe.py MCVISI README.md QUICK-START.md FOLDER
 
-The first line writes the bracket. Where trimesh and manifold3d can be imported another bracket from
-that CAD library goes the same way. Only --time is replaced, by --spp 16, so that the noise does not
+The first line writes the bracket, whose mesh must be closed. Where trimesh and manifold3d can be
+imported another bracket from that CAD library goes the same way. Only --time is replaced, by --spp 16, so that the noise does not
 depend on the machine. The quick start must hold the same lines.
 """
 
@@ -144,7 +144,27 @@ def check_bracket(program, lines, what):
     measure(program, lines[5])
 
 
+def check_mesh():
+    """Each side of a triangle is the side of one other, the other way round; the volume is that of
+    the plate without its holes."""
+    triangles = bracket_part.bracket(**CAD)
+    sides = [side for a, b, c in triangles for side in ((a, b), (b, c), (c, a))]
+    known = set(sides)
+    if len(known) != len(sides) or any((b, a) not in known for a, b in sides):
+        sys.exit("the bracket's mesh is open")
+    volume = sum(
+        a[0] * (b[1] * c[2] - b[2] * c[1])
+        + a[1] * (b[2] * c[0] - b[0] * c[2])
+        + a[2] * (b[0] * c[1] - b[1] * c[0])
+        for a, b, c in triangles
+    )
+    area = CAD["width"] * CAD["height"] - math.pi / 4 * (CAD["bore"] ** 2 + 4 * CAD["hole"] ** 2)
+    if abs(volume / 6 / (area * CAD["thickness"]) - 1) > 1e-9:
+        sys.exit("the bracket has %g mm³ instead of %g" % (volume / 6, area * CAD["thickness"]))
+
+
 def main():
+    check_mesh()
     program, readme, quick_start = (os.path.abspath(path) for path in sys.argv[1:4])
     folder = sys.argv[4]
     lines = commands_of(readme)

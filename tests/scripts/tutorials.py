@@ -18,6 +18,8 @@ sources in $MCVISI. The page is held against the output in five ways.
   U, the share of what the geometry leaves out. `measured x1000 PATTERN` and `known x1000 PATTERN`
   multiply what came out by 1000.
 - `V <!-- formula EXPRESSION -->`: V is the value of a Python expression, rounded as V is.
+- `<!-- needs MODULE -->`: a module of Python that the commands need, of the system or of
+  `./run deps peers`. The page is skipped where it is missing.
 - A picture `![…](STEM/F.png)` is what the commands left in F.png, in the mean to 3 of 255 levels,
   and below 200 kB. With --pictures the pictures of the page are made anew.
 """
@@ -205,6 +207,20 @@ def run_page(text, environment):
     return figures
 
 
+def find_module(module, sources, environment):
+    """Puts a python3 that has the module into PATH; ends the test as skipped where none has."""
+    peers = os.path.join(sources, "build", "peers", "bin")
+    for folder in ("", peers):
+        path = folder + os.pathsep + environment["PATH"] if folder else environment["PATH"]
+        tried = dict(environment, PATH=path)
+        if subprocess.run(["python3", "-c", "import " + module], env=tried, cwd="/",
+                          stderr=subprocess.DEVNULL).returncode == 0:
+            environment["PATH"] = path
+            return
+    print("skipped: Python has no %s: `./run deps peers` installs it" % module)
+    sys.exit(0)
+
+
 def main():
     arguments = [word for word in sys.argv[1:] if word != "--pictures"]
     program, sources, page, folder = (os.path.abspath(word) for word in arguments)
@@ -214,6 +230,8 @@ def main():
     environment = dict(os.environ, MCVISI=sources, LC_ALL="C.UTF-8")
     environment["PATH"] = os.path.dirname(program) + os.pathsep + environment["PATH"]
     text = open(page, encoding="utf-8").read()
+    for module in re.findall(r"<!-- needs (\w+) -->", text):
+        find_module(module, sources, environment)
     figures = run_page(text, environment)
     # A page whose markers were lost would pass unseen.
     count = sum(figures.values())

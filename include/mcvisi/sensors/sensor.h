@@ -90,6 +90,74 @@
     X(choice, radiometry, 0, 0, 1, \
       "what a pixel measures: mean radiance [W/(m² sr)] or irradiance [W/m²]")
 
+/*
+ * Tilt of the film and distortion of the lens (mcvisi/sensors/distortion.h). tilt and tiltX, tiltY
+ * say the same, and so do k1 and what a datasheet states of it, about the middle of the whole film:
+ *
+ *     tvDistortion         ΔH/H: the image of a straight line through both upper corners bends by
+ *                          ΔH, H is the height of the film; positive where corners go outwards
+ *     geometricDistortion  (r' - r)/r of the farthest corner, r' its distance from the axis
+ */
+#define MCV_DISTORTION_PARAMS(X) \
+    X(angle, tilt, MCV_UNSET, -1.57, 1.57, \
+      "angle between film and main lens [rad]; HALCON's Tilt") \
+    X(angle, tiltDirection, MCV_UNSET, -1e3, 1e3, \
+      "axis of the tilt, from the image's x (right) towards its y (down) [rad]; HALCON's Rot") \
+    X(angle, tiltX, MCV_UNSET, -1.57, 1.57, "τx of OpenCV, a tilt about the image's x [rad]") \
+    X(angle, tiltY, MCV_UNSET, -1.57, 1.57, "τy of OpenCV, a tilt about the image's y [rad]") \
+    X(number, k1, MCV_UNSET, -1e9, 1e9, "radial distortion of OpenCV, of r²") \
+    X(number, k2, MCV_UNSET, -1e9, 1e9, "of r⁴") \
+    X(number, k3, MCV_UNSET, -1e9, 1e9, "of r⁶") \
+    X(number, k4, MCV_UNSET, -1e9, 1e9, "of r² in the denominator") \
+    X(number, k5, MCV_UNSET, -1e9, 1e9, "of r⁴ in the denominator") \
+    X(number, k6, MCV_UNSET, -1e9, 1e9, "of r⁶ in the denominator") \
+    X(number, p1, MCV_UNSET, -1e9, 1e9, "tangential distortion of OpenCV, along y") \
+    X(number, p2, MCV_UNSET, -1e9, 1e9, "tangential distortion of OpenCV, along x") \
+    X(number, s1, MCV_UNSET, -1e9, 1e9, "thin prism distortion of OpenCV: x, r²") \
+    X(number, s2, MCV_UNSET, -1e9, 1e9, "x, r⁴") \
+    X(number, s3, MCV_UNSET, -1e9, 1e9, "y, r²") \
+    X(number, s4, MCV_UNSET, -1e9, 1e9, "y, r⁴") \
+    X(number, kappa, MCV_UNSET, -1e12, 1e12, \
+      "HALCON's Kappa, of the division model, in place of k1 … s4 [1/m²]") \
+    X(number, tvDistortion, MCV_UNSET, -1, 1, \
+      "bend of a horizontal line at the film's edge over the film's height, in place of k1") \
+    X(number, geometricDistortion, MCV_UNSET, -1, 1, \
+      "relative shift of the film's farthest corner, in place of k1")
+
+/* Time (mcvisi/motion.h). */
+#define MCV_TIME_PARAMS(X) \
+    X(choice, shutter, 0, 0, 2, "which rows are exposed when: all at once, in turn, or one line") \
+    X(number, exposureTime, MCV_UNSET, 0, 1e6, "time for which a row is exposed [s]") \
+    X(number, lineTime, MCV_UNSET, MCV_POSITIVE, 1e6, \
+      "time between rows of a rolling shutter or lines [s]") \
+    X(integer, stages, MCV_UNSET, 1, 1024, "stages of a TDI line sensor") \
+    X(number, strobeDelay, MCV_UNSET, 0, 1e6, "when a strobe begins, after the first row [s]") \
+    X(number, strobeTime, MCV_UNSET, MCV_POSITIVE, 1e6, "for how long it lights [s]")
+
+/* The device struct of a sensor with these parameters ends in a mcv_distortion of so many bytes,
+ * behind which an mcv_aperture may stand. Programs without these features know nothing of them. */
+#if !MCV_ON_DEVICE || MCV_WITH_DISTORTION || MCV_WITH_APERTURE
+#define MCV_DISTORTION_SIZE 88
+#else
+#define MCV_DISTORTION_SIZE 0
+#endif
+
+/* Of thin lens and telecentric cameras (mcvisi/sensors/aperture.h). */
+#if !MCV_ON_DEVICE || MCV_WITH_APERTURE
+#define MCV_APERTURE_BYTES 4136
+#else
+#define MCV_APERTURE_BYTES 0
+#endif
+
+#define MCV_APERTURE_PARAMS(X) \
+    X(choice, aperture, 2, 2, 6, "what of the round aperture is open") \
+    X(number, apertureRatio, MCV_UNSET, MCV_POSITIVE, 0.999, \
+      "inner over outer radius of a ring, by default 0.5") \
+    X(angle, apertureRotation, MCV_UNSET, -1e3, 1e3, \
+      "direction of the open half, or of the first corner of blades, from right towards up [rad]") \
+    X(integer, apertureBlades, MCV_UNSET, 3, 64, "corners of blades, by default 6") \
+    X(integer, apertureOrder, MCV_UNSET, 5, 31, "cells of a side of a code, a prime; by default 13")
+
 /* For the sensors with a lens. */
 #define MCV_FALLOFF_PARAMS(X) \
     X(choice, falloff, 0, 0, 1, \

@@ -1,0 +1,130 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "analysis/detect.h"
+
+#include <math.h>
+
+double mcv_normal_below(double x) { return 0.5 * erfc(-x * M_SQRT1_2); }
+
+double mcv_detect_variance(const mcv_camera *camera, double electrons) {
+    const double pattern = camera->prnu * electrons;
+    return electrons + camera->dark_electrons + camera->read_noise * camera->read_noise +
+           1 / (12 * camera->gain * camera->gain) + camera->dsnu * camera->dsnu + pattern * pattern;
+}
+
+/* Does the camera read this channel in this pixel? */
+static bool is_read(const mcv_camera *camera, uint32_t channels, uint32_t channel, uint32_t column,
+                    uint32_t row) {
+    static const char colours[] = "RGB";
+    if (camera->bayer == MCV_BAYER_NONE || channels == 1) return true;
+    const char *pattern = mcv_bayer_patterns[camera->bayer];
+    return pattern[2 * (row % 2) + column % 2] == colours[channel < 3 ? channel : 2];
+}
+
+/* The pairs of one pixel. */
+typedef struct pixel {
+    double without, mean, variance; /* of the pairs */
+} pixel;
+
+/* Electrons above the full well are lost in either picture. */
+static pixel pixel_at(const mcv_pairs *p, double full_well, size_t i) {
+    const size_t plane = (size_t)p->width * p->height * p->channels;
+    pixel at = {0};
+    double squares = 0;
+    for (uint32_t r = 0; r < p->replicates; ++r) {
+        const double without = fmin(p->without[r * plane + i], full_well),
+                     x = fmin(p->with[r * plane + i], full_well) - without, off = x - at.mean;
+        at.without += without / p->replicates;
+        at.mean += off / (r + 1); /* Welford's recurrence */
+        squares += off * (x - at.mean);
+    }
+    at.variance = squares / (p->replicates - 1);
+    return at;
+}
+
+/*
+ * Sums over the pixels. In units of σ: m², without its error v/R; and what Var Σ(mean² - v/R)
+ * takes, 4 Σ m² v/R + 2 Σ v²/(R (R - 1)) for normal errors, whose estimates are unbiased:
+ * v² (R - 1)/(R + 1) for v², and mean² v less that over R for m² v.
+ */
+typedef struct sums {
+    double values, without, difference, variance; /* in electrons */
+    double squared, cross, fourth;                /* in σ */
+    double power, power_cross, power_fourth;      /* the first three in electrons */
+    uint64_t visible;
+} sums;
+
+static void add(sums *s, const pixel *at, double noise, double replicates) {
+    const double left = at->mean * at->mean - at->variance / replicates,
+                 v2 = at->variance * at->variance * (replicates - 1) / (replicates + 1),
+                 cross = at->mean * at->mean * at->variance - v2 / replicates;
+    s->values += 1;
+    s->without += at->without;
+    s->difference += at->mean;
+    s->variance += at->variance / replicates;
+    s->power += left;
+    s->power_cross += cross;
+    s->power_fourth += v2;
+    s->squared += left / noise;
+    s->cross += cross / (noise * noise);
+    s->fourth += v2 / (noise * noise);
+}
+
+/* The variance of Σ(mean² - v/R). The sum over m² v may come out below 0: then there is no signal.
+ */
+static double variance_of(double cross, double fourth, const mcv_correlation *rho, double r) {
+    return 4 * rho->sum * fmax(0, cross) / r + 2 * rho->squares * fourth / (r * (r - 1));
+}
+
+/* The root of an estimate, with the interval's half-width as its uncertainty near 0, where a root
+ * has no slope. */
+static mcv_quantity root_of(double value, double variance, double low_high[2]) {
+    const double u = sqrt(variance), reach = 1.96 * u;
+    low_high[0] = sqrt(fmax(0, value - reach));
+    low_high[1] = sqrt(fmax(0, value + reach));
+    const double root = sqrt(fmax(0, value));
+    return (mcv_quantity){root,
+                          value > 2 * u ? u / (2 * root) : (low_high[1] - low_high[0]) / 3.92};
+}
+
+static void finish(const sums *s, const mcv_pairs *p, mcv_detection *d) {
+    const mcv_correlation *rho = &p->correlation;
+    const double r = p->replicates, n = s->values;
+    double ends[2];
+    *d = (mcv_detection){.values = (uint64_t)n, .mean = s->without / n, .visible = s->visible};
+    d->difference = (mcv_quantity){s->difference / n, sqrt(rho->sum * s->variance) / n};
+    d->contrast =
+        (mcv_quantity){d->difference.value / d->mean, d->difference.uncertainty / d->mean};
+    const mcv_quantity rms =
+        root_of(s->power / n, variance_of(s->power_cross, s->power_fourth, rho, r) / (n * n), ends);
+    d->rms_contrast = (mcv_quantity){rms.value / d->mean, rms.uncertainty / d->mean};
+    const double variance = variance_of(s->cross, s->fourth, rho, r);
+    d->squared = (mcv_quantity){s->squared, sqrt(variance)};
+    d->detectability = root_of(s->squared, variance, ends).value;
+    d->low = ends[0];
+    d->high = ends[1];
+}
+
+mcv_result mcv_detect(const mcv_pairs *pairs, const mcv_camera *camera, double threshold,
+                      mcv_image *visible, mcv_detection *detection, mcv_error *error) {
+    const size_t plane = (size_t)pairs->width * pairs->height;
+    sums s = {0};
+    if (visible) {
+        MCV_TRY(mcv_image_new(visible, pairs->width, pairs->height, 1, error));
+        for (size_t i = 0; i < plane; ++i) visible->pixels[i] = 0;
+    }
+    for (uint32_t c = 0; c < pairs->channels; ++c)
+        for (size_t i = 0; i < plane; ++i) {
+            if ((pairs->inside && !pairs->inside[i]) ||
+                !is_read(camera, pairs->channels, c, (uint32_t)(i % pairs->width),
+                         (uint32_t)(i / pairs->width)))
+                continue;
+            const pixel at = pixel_at(pairs, camera->full_well, c * plane + i);
+            const double noise = mcv_detect_variance(camera, at.without),
+                         sigmas = fabs(at.mean) / sqrt(noise);
+            add(&s, &at, noise, pairs->replicates);
+            s.visible += sigmas >= threshold;
+            if (visible) visible->pixels[i] = fmaxf(visible->pixels[i], (float)sigmas);
+        }
+    finish(&s, pairs, detection);
+    return MCV_OK;
+}

@@ -1,0 +1,103 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The probability of detection of the public interface. */
+#include "verbs/pod.h"
+
+#include "api/handles.h"
+#include "core/output_file.h"
+#include "pod/common_noise.h"
+#include "pod/page.h"
+
+#include <stdlib.h>
+
+static mcv_result study_columns(const mcv_command *command, const char *table,
+                                const mcv_column_names *names, bool hits,
+                                const mcv_columns *columns, char **report, mcv_error *error) {
+    const mcv_pod_page page = {.table = table,
+                               .size_name = names->size,
+                               .value_name = names->value,
+                               .title = command->pod_title,
+                               .note = command->pod_note};
+    mcv_pod_asked asked;
+    mcv_pod_study study;
+    mcv_report r;
+    MCV_TRY(mcv_pod_asked_of(command, hits, &asked, error));
+    if (command->pod_page) MCV_TRY(mcv_output_check(command->pod_page, error));
+    mcv_result result = mcv_pod_study_make(&asked, columns, &study, error);
+    if (result == MCV_OK && command->pod_page)
+        result = mcv_pod_page_write(command->pod_page, &study, &page, error);
+    if (result == MCV_OK) {
+        result = mcv_report_keep(&r, command->json, error);
+        if (result == MCV_OK) result = mcv_pod_report(&study, &r, error);
+        if (result == MCV_OK && table && mcv_pod_common_noise(table, names->value))
+            mcv_report_tell(
+                &r, "warning",
+                "the sets of this sweep have common random numbers, so that all defects "
+                "are seen with one noise: its spread is not in the bound; sweep with "
+                "--noise own");
+        if (result == MCV_OK && command->pod_page) mcv_report_text(&r, "page", command->pod_page);
+        if (result == MCV_OK)
+            result = mcv_report_take(&r, report, error);
+        else
+            mcv_report_free(&r);
+    }
+    mcv_pod_study_free(&study);
+    return result;
+}
+
+static mcv_result study_table(const mcv_command *command, const char *table, char **report,
+                              mcv_error *error) {
+    mcv_column_names names;
+    mcv_columns columns;
+    bool hits;
+    MCV_TRY(mcv_pod_names_of(command, &names, &hits, error));
+    mcv_result result = mcv_columns_read(table, &names, &columns, error);
+    if (result == MCV_OK)
+        result = study_columns(command, table, &names, hits, &columns, report, error);
+    mcv_columns_free(&columns);
+    return result;
+}
+
+static mcv_result pod_table(const char *table, const char *options, char **report,
+                            mcv_error *error) {
+    const char *const arguments[2] = {table};
+    mcv_options_given given;
+    MCV_TRY(mcv_options_read(options, NULL, MCV_VERB_POD, arguments, NULL, &given, error));
+    const mcv_result result = study_table(&given.command, table, report, error);
+    mcv_options_free(&given);
+    return result;
+}
+
+mcv_result mcv_pod_table(const char *table, const char *options, char **report, mcv_error *error) {
+    mcv_result result;
+    MCV_NEED(report);
+    *report = NULL;
+    MCV_NEED(table);
+    MCV_INSIDE(result, pod_table(table, options, report, error));
+    return result;
+}
+
+static mcv_result pod_values(const mcv_columns *columns, bool hits, const char *options,
+                             char **report, mcv_error *error) {
+    static const char *const without[] = {"size", "signal", "hit", "defect", NULL};
+    const char *const arguments[2] = {"values"};
+    mcv_options_given given;
+    MCV_TRY(mcv_options_read(options, NULL, MCV_VERB_POD, arguments, without, &given, error));
+    const mcv_result result = study_columns(&given.command, NULL, &(mcv_column_names){NULL}, hits,
+                                            columns, report, error);
+    mcv_options_free(&given);
+    return result;
+}
+
+mcv_result mcv_pod_values(const double *sizes, const double *values, size_t count, bool hits,
+                          const char *options, char **report, mcv_error *error) {
+    mcv_result result;
+    MCV_NEED(report);
+    *report = NULL;
+    MCV_NEED(sizes);
+    MCV_NEED(values);
+    /* Read alone. */
+    const mcv_columns columns = {
+        .sizes = (double *)sizes, .values = (double *)values, .count = count};
+    MCV_INSIDE(result, pod_values(&columns, hits, options, report, error));
+    return result;
+}

@@ -1,0 +1,375 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Light transport matrices of the public interface. */
+#include "api/rendering.h"
+#include "core/basics.h"
+#include "core/output_file.h"
+#include "io/png.h"
+#include "loader/memory.h"
+#include "scene/sensors.h"
+#include "scene/spectra.h"
+#include "transport/matrix_file.h"
+#include "transport/white.h"
+#include "verbs/transport.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+struct mcv_transport {
+    mcv_matrix matrix;
+    char *path; /* of the file, or of the scene */
+};
+
+void mcv_transport_free(mcv_transport *transport) {
+    if (!transport) return;
+    mcv_matrix_free(&transport->matrix);
+    free(transport->path);
+    free(transport);
+}
+
+static mcv_result new_transport(const char *path, mcv_transport **transport, mcv_error *error) {
+    *transport = calloc(1, sizeof **transport);
+    if (*transport && ((*transport)->path = strdup(path))) return MCV_OK;
+    mcv_transport_free(*transport);
+    *transport = NULL;
+    return mcv_fail(error, MCV_FAILED, "no memory for a light transport matrix");
+}
+
+/* --- rendering one --- */
+
+static double brightest(const mcv_scene *scene) {
+    double most = 0;
+    for (uint32_t i = 0; i < scene->emitter_count; ++i)
+        for (int k = 0; k < 3; ++k)
+            if (scene->emitters[i].radiance[k] > most) most = scene->emitters[i].radiance[k];
+    return most;
+}
+
+/* The header of the white image, without what JSON cannot hold. */
+static mcv_result keep_attributes(const mcv_rendering *r, mcv_matrix *matrix, mcv_error *error) {
+    mcv_exr exr;
+    mcv_picture *picture;
+    char *text = NULL;
+    json_error_t wrong;
+    const char *key;
+    void *next;
+    json_t *value;
+    MCV_TRY(mcv_rendered_develop(&r->rendered, &exr, error));
+    MCV_TRY(mcv_picture_of(&exr, "the matrix", &picture, error));
+    const mcv_result result = mcv_picture_attributes(picture, &text, error);
+    mcv_picture_free(picture);
+    if (result == MCV_OK) matrix->attributes = json_loads(text, 0, &wrong);
+    free(text);
+    MCV_TRY(result);
+    json_object_foreach_safe(matrix->attributes, next, key, value) {
+        if (json_is_null(value)) json_object_del(matrix->attributes, key);
+    }
+    return matrix->attributes ? MCV_OK : mcv_fail(error, MCV_FAILED, "no memory for a header");
+}
+
+/* From the gathered records, with the matrix's groups and pattern, which it keeps. */
+static mcv_result finish_matrix(const mcv_rendering *r, const mcv_gather *gather, double keep,
+                                mcv_matrix *matrix, mcv_error *error) {
+    const mcv_film *film = r->rendered.film;
+    mcv_matrix whole;
+    uint32_t elements;
+    if (film->samples == 0)
+        return mcv_fail(error, MCV_INTERRUPTED, "%s: interrupted before its first sample",
+                        r->rendered.scene->path);
+    MCV_TRY(mcv_scene_elements(r->rendered.scene, &elements, error));
+    MCV_TRY(
+        mcv_matrix_make(gather, film->width, film->height, film->samples, elements, &whole, error));
+    whole.groups = matrix->groups;
+    whole.group_count = matrix->group_count;
+    whole.pattern = matrix->pattern;
+    *matrix = whole;
+    MCV_TRY(mcv_matrix_thin(matrix, keep, error));
+    return keep_attributes(r, matrix, error);
+}
+
+static mcv_result gather_matrix(mcv_session *session, const mcv_command *command, mcv_rendering *r,
+                                mcv_scene *scene, uint32_t sensor, mcv_matrix *matrix,
+                                mcv_error *error) {
+    mcv_render_options options;
+    mcv_render_stats stats = {.stage_count = 0};
+    mcv_film film = {0};
+    mcv_gather gather;
+    const mcv_record_sink sink = {.take = mcv_gather_add, .user = &gather};
+    const uint32_t channels = mcv_scene_channels(scene);
+    const size_t most =
+        (size_t)(command->memory > 0 ? command->memory : (double)mcv_memory_default());
+    MCV_TRY(mcv_render_options_read(command, &options, error));
+    MCV_TRY(mcv_scene_show_white(scene, command->elements == 1, channels, matrix, error));
+    if (mcv_scene_channels(scene) != channels)
+        return mcv_fail(error, MCV_BAD_INPUT,
+                        "%s: only the image of an emitter has colours: a matrix of it would be "
+                        "grey; give --elements lamps, or a grey image",
+                        scene->path);
+    MCV_TRY(mcv_gather_new(&gather, channels, options.replicates, brightest(scene), most, error));
+    options.records = &sink;
+    mcv_result result =
+        mcv_rendering_run(r, session, command, scene, sensor, &options, &film, &stats, error);
+    if (result == MCV_OK && stats.interrupted)
+        result =
+            mcv_fail(error, MCV_INTERRUPTED, "%s: interrupted before its last sample", scene->path);
+    if (result == MCV_OK) result = finish_matrix(r, &gather, command->keep, matrix, error);
+    mcv_gather_free(&gather);
+    r->rendered = (mcv_rendered){.set = r->rendered.set}; /* the rest ends here */
+    mcv_film_free(&film);
+    return result;
+}
+
+/* The image of a pattern, as a picture with the header of the render. */
+static mcv_result light(const mcv_transport *transport, const float *pattern, mcv_picture **picture,
+                        mcv_error *error) {
+    const mcv_matrix *m = &transport->matrix;
+    mcv_image mean, deviation;
+    MCV_TRY(mcv_matrix_relight(m, pattern, &mean, &deviation, error));
+    char *attributes = m->attributes ? json_dumps(m->attributes, JSON_REAL_PRECISION(17)) : NULL;
+    const mcv_result result =
+        mcv_picture_make(m->width, m->height, m->channels, mean.pixels,
+                         m->replicates > 1 ? deviation.pixels : NULL, attributes, picture, error);
+    free(attributes);
+    mcv_image_free(&mean);
+    mcv_image_free(&deviation);
+    return result;
+}
+
+static mcv_result write_white(const mcv_transport *transport, const char *path, mcv_error *error) {
+    const mcv_matrix *m = &transport->matrix;
+    const size_t count = (size_t)m->element_count * m->channels;
+    mcv_picture *picture = NULL;
+    float *ones = malloc((count + 1) * sizeof *ones);
+    if (!ones) return mcv_fail(error, MCV_FAILED, "no memory for a pattern");
+    for (size_t i = 0; i < count; ++i) ones[i] = 1;
+    mcv_result result = light(transport, ones, &picture, error);
+    if (result == MCV_OK) result = mcv_picture_write(picture, path, NULL, error);
+    mcv_picture_free(picture);
+    free(ones);
+    return result;
+}
+
+static mcv_result tell(const mcv_command *command, const mcv_transport *transport, double seconds,
+                       char **report, mcv_error *error) {
+    mcv_report r;
+    if (!report) return MCV_OK;
+    MCV_TRY(mcv_report_keep(&r, command->json, error));
+    mcv_report_text(&r, "scene", transport->path);
+    mcv_matrix_report(&transport->matrix, &r);
+    mcv_report_number(&r, "seconds", "s", seconds);
+    if (command->matrix) mcv_report_text(&r, "matrix", command->matrix);
+    if (command->white) mcv_report_text(&r, "white", command->white);
+    return mcv_report_take(&r, report, error);
+}
+
+static mcv_result check_files(const mcv_command *command, mcv_error *error) {
+    if (mcv_wants_reference(command))
+        return mcv_fail(error, MCV_USAGE,
+                        "the reference renderer records no elements: choose a device");
+    if (command->matrix && !mcv_ends_in(command->matrix, ".npz") &&
+        !mcv_ends_in(command->matrix, ".mtx"))
+        return mcv_fail(error, MCV_USAGE, "--output %s: must end in .npz or .mtx", command->matrix);
+    if (command->white && !mcv_ends_in(command->white, ".exr"))
+        return mcv_fail(error, MCV_USAGE, "--white %s: must end in .exr", command->white);
+    if (command->matrix) MCV_TRY(mcv_output_check(command->matrix, error));
+    return command->white ? mcv_output_check(command->white, error) : MCV_OK;
+}
+
+static mcv_result render_matrix(mcv_session *session, const mcv_rig *rig,
+                                const mcv_command *command, mcv_rendering *r,
+                                mcv_transport **transport, char **report, mcv_error *error) {
+    mcv_scene *scene = NULL;
+    uint32_t sensor;
+    MCV_TRY(check_files(command, error));
+    MCV_TRY(mcv_session_scene(session, rig, command, &scene, error));
+    mcv_result result = mcv_session_sensor(scene, command, &sensor, error);
+    if (result == MCV_OK) result = new_transport(scene->path, transport, error);
+    if (result == MCV_OK)
+        result = gather_matrix(session, command, r, scene, sensor, &(*transport)->matrix, error);
+    mcv_scene_free(scene);
+    if (result == MCV_OK && command->matrix)
+        result = mcv_matrix_write(&(*transport)->matrix, command->matrix, error);
+    if (result == MCV_OK && command->white) result = write_white(*transport, command->white, error);
+    return result == MCV_OK ? tell(command, *transport, mcv_seconds() - r->begun, report, error)
+                            : result;
+}
+
+static mcv_result render_rig(mcv_session *session, const mcv_rig *rig, const char *text,
+                             mcv_rendering *r, mcv_transport **transport, char **report,
+                             mcv_error *error) {
+    const char *const arguments[2] = {rig->document.path};
+    mcv_options_given given;
+    MCV_TRY(mcv_options_read(text, session->defaults, MCV_VERB_TRANSPORT, arguments, NULL, &given,
+                             error));
+    mcv_result result = mcv_rendering_changes(r, rig, &given.command, error);
+    if (result == MCV_OK)
+        result = render_matrix(session, rig, &given.command, r, transport, report, error);
+    free((void *)r->rendered.set.items);
+    mcv_options_free(&given);
+    if (result == MCV_OK) return MCV_OK;
+    mcv_transport_free(*transport);
+    *transport = NULL;
+    return result;
+}
+
+mcv_result mcv_session_transport(mcv_session *session, const mcv_rig *rig, const char *options,
+                                 mcv_progress_call *progress, void *user, mcv_transport **transport,
+                                 char **report, mcv_error *error) {
+    MCV_NEED(transport);
+    *transport = NULL;
+    if (report) *report = NULL;
+    MCV_NEED(session);
+    MCV_NEED(rig);
+    MCV_TRY(mcv_session_begin(session, error));
+    mcv_rendering r = {.call = progress, .user = user, .rig = rig, .begun = mcv_seconds()};
+    r.host = mcv_border_enter();
+    const mcv_result result = render_rig(session, rig, options, &r, transport, report, error);
+    mcv_border_leave(r.host);
+    mcv_session_end(session);
+    return result;
+}
+
+/* --- files and what is in them --- */
+
+static mcv_result read_transport(const char *path, mcv_transport **transport, mcv_error *error) {
+    MCV_TRY(new_transport(path, transport, error));
+    const mcv_result result = mcv_matrix_read(path, &(*transport)->matrix, error);
+    if (result == MCV_OK) return MCV_OK;
+    mcv_transport_free(*transport);
+    *transport = NULL;
+    return result;
+}
+
+mcv_result mcv_transport_read(const char *path, mcv_transport **transport, mcv_error *error) {
+    mcv_result result;
+    MCV_NEED(transport);
+    *transport = NULL;
+    MCV_NEED(path);
+    MCV_INSIDE(result, read_transport(path, transport, error));
+    return result;
+}
+
+mcv_result mcv_transport_write(const mcv_transport *transport, const char *path, mcv_error *error) {
+    mcv_result result;
+    MCV_NEED(transport);
+    MCV_NEED(path);
+    MCV_INSIDE(result, mcv_matrix_write(&transport->matrix, path, error));
+    return result;
+}
+
+static mcv_result dump_header(const mcv_transport *transport, char **json, mcv_error *error) {
+    json_t *header = mcv_matrix_header(&transport->matrix);
+    *json = header ? json_dumps(header, JSON_COMPACT | JSON_REAL_PRECISION(17)) : NULL;
+    json_decref(header);
+    return *json ? MCV_OK : mcv_fail(error, MCV_FAILED, "no memory for the header");
+}
+
+mcv_result mcv_transport_header(const mcv_transport *transport, char **json, mcv_error *error) {
+    mcv_result result;
+    MCV_NEED(json);
+    *json = NULL;
+    MCV_NEED(transport);
+    MCV_INSIDE(result, dump_header(transport, json, error));
+    return result;
+}
+
+mcv_result mcv_transport_entries(const mcv_transport *transport, mcv_matrix_entries *entries,
+                                 mcv_error *error) {
+    MCV_NEED(transport);
+    MCV_NEED(entries);
+    const mcv_matrix *m = &transport->matrix;
+    if (entries->size < sizeof *entries)
+        return mcv_fail(error, MCV_USAGE,
+                        "mcv_transport_entries: entries->size must be sizeof(mcv_matrix_entries)");
+    entries->row_count = m->row_count;
+    entries->column_count = m->column_count;
+    entries->element_count = m->element_count;
+    entries->replicate_count = m->replicates;
+    entries->entry_count = m->row_begins[m->row_count];
+    entries->row_begins = m->row_begins;
+    entries->columns = m->columns;
+    entries->values = m->values;
+    entries->replicates = m->replicates_of;
+    entries->pattern = m->pattern;
+    return MCV_OK;
+}
+
+/* --- relighting --- */
+
+static mcv_result check_relit(const mcv_command *command, mcv_error *error) {
+    if (command->relit && !mcv_ends_in(command->relit, ".exr"))
+        return mcv_fail(error, MCV_USAGE, "--output %s: must end in .exr", command->relit);
+    if (command->relit) MCV_TRY(mcv_output_check(command->relit, error));
+    return command->relit_png ? mcv_output_check(command->relit_png, error) : MCV_OK;
+}
+
+static mcv_result tell_relit(const mcv_command *command, const mcv_transport *transport,
+                             double seconds, char **report, mcv_error *error) {
+    mcv_report r;
+    if (!report) return MCV_OK;
+    MCV_TRY(mcv_report_keep(&r, command->json, error));
+    mcv_report_text(&r, "matrix", transport->path);
+    mcv_report_number(&r, "seconds", "s", seconds);
+    if (command->relit) mcv_report_text(&r, "image", command->relit);
+    if (command->relit_png) mcv_report_text(&r, "preview", command->relit_png);
+    return mcv_report_take(&r, report, error);
+}
+
+static mcv_result light_command(const mcv_command *command, const mcv_transport *transport,
+                                const float *given, mcv_picture **picture, char **report,
+                                mcv_error *error) {
+    float *pattern = NULL;
+    MCV_TRY(check_relit(command, error));
+    if (!given) MCV_TRY(mcv_pattern_read(command, &transport->matrix, &pattern, error));
+    const double begun = mcv_seconds();
+    mcv_result result = light(transport, given ? given : pattern, picture, error);
+    const double seconds = mcv_seconds() - begun;
+    free(pattern);
+    if (result == MCV_OK && command->relit)
+        result = mcv_picture_write(*picture, command->relit, NULL, error);
+    if (result == MCV_OK && command->relit_png)
+        result = mcv_picture_write(*picture, command->relit_png, NULL, error);
+    return result == MCV_OK ? tell_relit(command, transport, seconds, report, error) : result;
+}
+
+static mcv_result check_pattern(const mcv_matrix *m, const float *pattern, size_t count,
+                                mcv_error *error) {
+    const size_t values = (size_t)m->element_count * m->channels;
+    if (count != values)
+        return mcv_fail(error, MCV_USAGE,
+                        "a pattern of %zu values: must be %zu, %u elements of %u channels", count,
+                        values, m->element_count, m->channels);
+    for (size_t i = 0; i < count; ++i)
+        if (!(pattern[i] >= 0 && pattern[i] <= 3.4e38f))
+            return mcv_fail(error, MCV_BAD_INPUT,
+                            "the pattern's value %zu is %g: must be finite and not negative", i,
+                            (double)pattern[i]);
+    return MCV_OK;
+}
+
+static mcv_result relight(const mcv_transport *transport, const float *pattern, size_t count,
+                          const char *options, mcv_picture **picture, char **report,
+                          mcv_error *error) {
+    const char *const arguments[2] = {transport->path};
+    mcv_options_given given;
+    if (pattern) MCV_TRY(check_pattern(&transport->matrix, pattern, count, error));
+    MCV_TRY(mcv_options_read(options, NULL, MCV_VERB_RELIGHT, arguments, NULL, &given, error));
+    const mcv_result result =
+        light_command(&given.command, transport, pattern, picture, report, error);
+    mcv_options_free(&given);
+    if (result == MCV_OK) return MCV_OK;
+    mcv_picture_free(*picture);
+    *picture = NULL;
+    return result;
+}
+
+mcv_result mcv_transport_relight(const mcv_transport *transport, const float *pattern, size_t count,
+                                 const char *options, mcv_picture **picture, char **report,
+                                 mcv_error *error) {
+    mcv_result result;
+    MCV_NEED(picture);
+    *picture = NULL;
+    if (report) *report = NULL;
+    MCV_NEED(transport);
+    MCV_INSIDE(result, relight(transport, pattern, count, options, picture, report, error));
+    return result;
+}

@@ -1,0 +1,100 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "cl/pocl_cache.h"
+
+#include "core/basics.h"
+
+#include <dirent.h>
+#include <elf.h>
+#include <fcntl.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+enum { MAX_PATH = 4096, MAX_DEPTH = 8 };
+
+mcv_result mcv_pocl_check(mcv_error *error) {
+    const char *folder = getenv("POCL_CACHE_DIR");
+    if (!folder || folder[0]) return MCV_OK;
+    return mcv_fail(error, MCV_DEVICE,
+                    "POCL_CACHE_DIR is set and empty, on which the OpenCL driver PoCL ends the "
+                    "process: unset it, or let it name a folder for compiled kernels");
+}
+
+static bool read_at(int fd, uint64_t offset, void *bytes, size_t size) {
+    return pread(fd, bytes, size, (off_t)offset) == (ssize_t)size;
+}
+
+/* A shared library ends with, or behind, its table of sections. */
+static bool is_whole_library(int fd, uint64_t size) {
+    Elf64_Ehdr head;
+    if (!read_at(fd, 0, &head, sizeof head) || memcmp(head.e_ident, ELFMAG, SELFMAG) != 0)
+        return false;
+    if (head.e_ident[EI_CLASS] != ELFCLASS64) return true; /* of another kind of machine */
+    const uint64_t table = (uint64_t)head.e_shentsize * head.e_shnum;
+    return head.e_shoff > 0 && head.e_shoff <= size && table <= size - head.e_shoff;
+}
+
+/* LLVM's bitcode is a row of blocks, each with its length. Source: LLVM Bitcode File Format,
+ * "Primitives" and "Blocks". */
+static bool is_whole_bitcode(int fd, uint64_t size) {
+    enum { ENTER_SUBBLOCK = 1 }; /* the two lowest bits of a block's first word */
+    uint32_t head[2];
+    if (!read_at(fd, 0, head, sizeof head) || head[0] != 0xdec04342u) return false;
+    uint64_t at = sizeof head[0];
+    while (at < size) {
+        if (!read_at(fd, at, head, sizeof head) || (head[0] & 3) != ENTER_SUBBLOCK) return false;
+        at += sizeof head + 4 * (uint64_t)head[1];
+    }
+    return at == size && size > sizeof head;
+}
+
+static bool is_whole(const char *path) {
+    struct stat status;
+    const int fd = open(path, O_RDONLY | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK);
+    if (fd < 0) return true; /* not ours to judge */
+    bool whole = true;
+    if (fstat(fd, &status) == 0 && S_ISREG(status.st_mode))
+        whole = mcv_ends_in(path, ".so") ? is_whole_library(fd, (uint64_t)status.st_size)
+                                         : is_whole_bitcode(fd, (uint64_t)status.st_size);
+    close(fd);
+    return whole;
+}
+
+/* PoCL writes a file under such a name and renames it when it is whole. Another process may be at
+ * work on it: without its file, PoCL ends that process. */
+static bool is_being_written(const char *name) { return strncmp(name, "tempfile", 8) == 0; }
+
+/* Only what PoCL writes is looked at: libraries, and bitcode of programs. */
+static void mend_folder(const char *folder, int depth) {
+    DIR *directory = opendir(folder);
+    if (!directory) return;
+    for (const struct dirent *entry; (entry = readdir(directory));) {
+        char path[MAX_PATH];
+        if (entry->d_name[0] == '.' || is_being_written(entry->d_name) ||
+            snprintf(path, sizeof path, "%s/%s", folder, entry->d_name) >= (int)sizeof path)
+            continue;
+        if (entry->d_type == DT_DIR && depth < MAX_DEPTH)
+            mend_folder(path, depth + 1);
+        else if (entry->d_type == DT_REG &&
+                 (mcv_ends_in(path, ".so") || strcmp(entry->d_name, "program.bc") == 0) &&
+                 !is_whole(path))
+            unlink(path);
+    }
+    closedir(directory);
+}
+
+void mcv_pocl_mend(void) {
+    const char *folder = getenv("POCL_CACHE_DIR"), *base = getenv("XDG_CACHE_HOME"),
+               *home = getenv("HOME");
+    char path[MAX_PATH];
+    int length = 0;
+    if (folder)
+        length = snprintf(path, sizeof path, "%s", folder);
+    else if (base && base[0])
+        length = snprintf(path, sizeof path, "%s/pocl/kcache", base);
+    else if (home && home[0])
+        length = snprintf(path, sizeof path, "%s/.cache/pocl/kcache", home);
+    if (length > 0 && length < (int)sizeof path) mend_folder(path, 0);
+}

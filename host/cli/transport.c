@@ -1,0 +1,64 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* mcvisi transport and mcvisi relight: light transport matrices, and images made from them. */
+#include "cli/client.h"
+#include "cli/interrupt.h"
+#include "cli/progress.h"
+#include "cli/verbs.h"
+
+#include <stdlib.h>
+
+/* What is shown while it renders. */
+typedef struct shown {
+    mcv_progress_line line;
+    bool open;
+} shown;
+
+static bool on_progress(void *user, const mcv_progress *progress) {
+    shown *s = user;
+    if (!s->open) {
+        mcv_interrupt_watch(false);
+        s->line = mcv_progress_stderr(progress->sensor, &mcv_interrupt);
+        s->open = true;
+        return mcv_interrupt == 0;
+    }
+    return mcv_progress_report(&s->line, progress->fraction, progress->seconds, progress->error);
+}
+
+mcv_result mcv_verb_transport(const mcv_command *command, mcv_error *error) {
+    mcv_command named = *command;
+    mcv_client client = {0};
+    mcv_transport *transport = NULL;
+    char *report = NULL, *name = NULL;
+    shown s = {.open = false};
+    mcv_result result =
+        command->matrix ? MCV_OK : mcv_client_name(command->argument, ".npz", &name, error);
+    if (name) named.matrix = name;
+    if (result == MCV_OK) result = mcv_client_open(&named, command->argument, &client, error);
+    if (result == MCV_OK)
+        result = mcv_session_transport(client.session, client.rig, client.options, on_progress, &s,
+                                       &transport, &report, error);
+    if (s.open) mcv_progress_end(&s.line);
+    if (result == MCV_OK) result = mcv_client_print(report, command->json, error);
+    mcv_transport_free(transport);
+    mcv_client_close(&client);
+    free(name);
+    return result == MCV_INTERRUPTED ? mcv_interrupt_result() : result;
+}
+
+mcv_result mcv_verb_relight(const mcv_command *command, mcv_error *error) {
+    mcv_transport *transport = NULL;
+    mcv_picture *picture = NULL;
+    char *options = NULL, *report = NULL;
+    if (!command->relit && !command->relit_png)
+        return mcv_fail(error, MCV_USAGE,
+                        "--output is missing: give the file of the image, as in -o relit.exr");
+    mcv_result result = mcv_client_options(command, NULL, &options, error);
+    if (result == MCV_OK) result = mcv_transport_read(command->argument, &transport, error);
+    if (result == MCV_OK)
+        result = mcv_transport_relight(transport, NULL, 0, options, &picture, &report, error);
+    if (result == MCV_OK) result = mcv_client_print(report, command->json, error);
+    mcv_picture_free(picture);
+    mcv_transport_free(transport);
+    free(options);
+    return result;
+}

@@ -1,0 +1,103 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Defects on surfaces (mcvisi/defects.h): their parameters, their place and their mark in meshes.
+ */
+#ifndef MCVISI_HOST_DEFECTS_DEFECTS_H
+#define MCVISI_HOST_DEFECTS_DEFECTS_H
+
+#include "core/json_path.h"
+#include "scene/defect_params.h"
+
+/* Room for the parameters of any type. */
+typedef struct mcv_defect_params {
+    union {
+        double number;
+        char bytes[128];
+    } any;
+} mcv_defect_params;
+
+/* Takes parsed and checked parameters, with the defaults that depend on the size. Fails where they
+ * contradict each other. */
+mcv_result mcv_defect_resolve(mcv_defect *defect, const mcv_defect_params *params,
+                              const mcv_json_path *place, mcv_error *error);
+
+/* Does it lie inside of a body, not on a surface? */
+bool mcv_defect_is_inside(uint32_t type);
+
+/* --- the relief --- */
+
+/* Extent of the relief in the tangent plane: the points within `radius` of the segment from
+ * -half_length to half_length on the u axis. Beyond it h is 0. */
+typedef struct mcv_footprint {
+    double half_length, radius;
+    double fine;    /* the radius within which the mesh has its smallest edges [m] */
+    double edge;    /* of these edges, across [m] */
+    double stretch; /* how much longer they may be along u */
+} mcv_footprint;
+mcv_footprint mcv_defect_footprint(const mcv_defect *defect);
+
+/* h at (u, v) and its derivatives. */
+double mcv_defect_height(const mcv_defect *defect, double u, double v, double slope[2]);
+
+/* --- the place --- */
+
+/* Where a defect lies, as its entry says. */
+typedef struct mcv_defect_site {
+    const char *node;
+    bool by_point;
+    double at[3]; /* along the node's axes [m] */
+    uint32_t triangle;
+    double barycentric[3];
+    double direction[3]; /* along the node's axes; 0: not given */
+} mcv_defect_site;
+
+/* Sets instances, centre and axes of a defect of known size. Fails where there is no such node or
+ * the place is off its surface. */
+mcv_result mcv_defect_locate(const mcv_scene *scene, const mcv_defect_site *site,
+                             mcv_defect *defect, const mcv_json_path *place, mcv_error *error);
+
+/* inside.c: the same of a defect inside of a body. Its material becomes the defect's `host`. Fails
+ * where the point is not inside or the defect would reach out. */
+mcv_result mcv_defect_locate_inside(const mcv_scene *scene, const mcv_defect_site *site,
+                                    mcv_defect *defect, const mcv_json_path *place,
+                                    mcv_error *error);
+
+/* What both use: the node of a site; its place in the world; the direction of the site in the
+ * world, else the node's x axis. */
+mcv_result mcv_defect_node(const mcv_scene *scene, const char *name, const mcv_placement **node,
+                           const mcv_json_path *place, mcv_error *error);
+/* The distance to the nearest triangle of the instances, infinite without any, and its instance. */
+double mcv_defect_distance(const mcv_scene *scene, const uint32_t instances[2],
+                           const double point[3], uint32_t *instance);
+
+/* --- by chance --- */
+
+/* How many, and where from. */
+typedef struct mcv_chance {
+    uint64_t count; /* or 0: */
+    double density; /* [1/m²] */
+    uint64_t state; /* of the random numbers */
+} mcv_chance;
+
+/* The number of defects: the count, or Poisson's of the density on the node's surface. */
+mcv_result mcv_chance_count(const mcv_scene *scene, const char *node_name, mcv_chance *chance,
+                            uint64_t *count, const mcv_json_path *place, mcv_error *error);
+
+/* Locates the defect where it fits: evenly over the node's surface or, inside, over its volume.
+ * The direction is by chance where the site has none. Fails where it fits nowhere. */
+mcv_result mcv_chance_locate(const mcv_scene *scene, const mcv_defect_site *site,
+                             mcv_chance *chance, mcv_defect *defect, const mcv_json_path *place,
+                             mcv_error *error);
+
+/* --- the meshes --- */
+
+/* Whether mcv_defect_apply would find its surface turned away. */
+mcv_result mcv_defect_fits(const mcv_scene *scene, const mcv_defect *defect,
+                           const mcv_json_path *place, mcv_error *error);
+
+/* Inside of a body: adds its exact surfaces to the scene. Else refines the meshes of the defect's
+ * instances around it and moves their vertices. Meshes that other nodes use are copied first. Fails
+ * where the defect reaches round an edge, lies on an emitter or would take too many triangles. */
+mcv_result mcv_defect_apply(mcv_scene *scene, const mcv_defect *defect, const mcv_json_path *place,
+                            mcv_error *error);
+
+#endif

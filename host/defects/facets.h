@@ -1,0 +1,78 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Triangles with their own corners, while a defect refines them.
+ *
+ * All decisions about an edge depend on the positions of its ends alone. The triangles on either
+ * side thus make the same ones without knowing each other, also across the seams of vertices and of
+ * primitives: a mesh that is watertight stays so.
+ */
+#ifndef MCVISI_HOST_DEFECTS_FACETS_H
+#define MCVISI_HOST_DEFECTS_FACETS_H
+
+#include "defects/defects.h"
+
+/* A vertex with all that a mesh may say of it, in the instance's frame. */
+typedef struct mcv_corner {
+    float position[3], normal[3], texcoord[2], texcoord1[2], tangent[4];
+} mcv_corner;
+
+typedef struct mcv_facet {
+    mcv_corner corners[3];
+    uint32_t instance;
+    bool inside; /* part of the surface that the defect lies on, not of what lies behind */
+} mcv_facet;
+
+typedef struct mcv_facets {
+    mcv_facet *items;
+    size_t count, room;
+} mcv_facets;
+
+/* A triangle of an instance with its own corners, in the order of the mesh; with the normal of the
+ * face where the mesh is flat. */
+mcv_facet mcv_facet_take(const mcv_scene *scene, uint32_t instance, uint32_t triangle);
+
+/* False without memory. */
+bool mcv_facets_add(mcv_facets *facets, const mcv_facet *facet);
+
+/* The ground that a defect lies on: its frame, and how far the surface there reaches along the
+ * normal. */
+typedef struct mcv_ground {
+    const mcv_scene *scene;
+    const mcv_defect *defect;
+    mcv_footprint footprint;
+    double low, high; /* along the normal, from the centre [m] */
+} mcv_ground;
+
+/* A position in the instance's frame as u, v and height above the tangent plane. */
+void mcv_ground_point(const mcv_ground *ground, uint32_t instance, const float position[3],
+                      double local[3]);
+
+/* The distance in the tangent plane between the footprint's segment and that from a to b, or a
+ * triangle. */
+double mcv_ground_edge_distance(const mcv_ground *ground, const double a[3], const double b[3]);
+double mcv_ground_triangle_distance(const mcv_ground *ground, const double corners[3][3]);
+
+/* Must the edge between two corners be halved? */
+bool mcv_ground_splits(const mcv_ground *ground, uint32_t instance, const mcv_corner *a,
+                       const mcv_corner *b);
+
+/* Halves edges of the facet until none is too long; appends what remains. More than `most` facets
+ * are MCV_BAD_INPUT. */
+mcv_result mcv_facets_refine(mcv_facets *facets, const mcv_ground *ground, const mcv_facet *facet,
+                             size_t most, const mcv_json_path *place, mcv_error *error);
+
+/* The triangles of the defect's instances that its footprint reaches on its own surface:
+ * marks[instance - first][triangle] is set. Fails where that surface turns away. Sets low and
+ * high. */
+mcv_result mcv_ground_find(mcv_ground *ground, uint8_t *const *marks, const mcv_json_path *place,
+                           mcv_error *error);
+
+/* inside.c: adds the exact surfaces of a defect inside of a body. */
+mcv_result mcv_defect_embed(mcv_scene *scene, const mcv_defect *defect, mcv_error *error);
+
+/* Replaces the mesh of an instance: its triangles without those that are marked, and the facets of
+ * this instance. */
+mcv_result mcv_facets_replace(const mcv_facets *facets, mcv_scene *scene, uint32_t instance,
+                              const uint8_t *marks, const mcv_json_path *place, mcv_error *error);
+
+#endif

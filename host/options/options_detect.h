@@ -1,0 +1,15 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The options of `mcvisi detect`: a part of MCV_OPTIONS (options/options.h). */
+#ifndef MCVISI_HOST_OPTIONS_OPTIONS_DETECT_H
+#define MCVISI_HOST_OPTIONS_OPTIONS_DETECT_H
+
+#define MCV_DETECT_OPTIONS(X) \
+    X(text, within, "within", 0, "X,Y,W,H|FILE", MCV_IN_DETECT, NULL, 0, 0, \
+      "the pixels that count: a rectangle from the top-left corner, a polygon X,Y,X,Y,…, or an " \
+      "image whose pixels above 0 count; by default all") \
+    X(number, visible, "visible", 0, "K", MCV_IN_DETECT, "3", 0, 1e6, \
+      "a pixel shows the defect where its difference is at least K deviations of the noise") \
+    X(text, mask, "output", 'o', "F.png", MCV_IN_DETECT, NULL, 0, 0, \
+      "write which pixels show the defect: 255, the others 0; .png, .tif or .npy")
+
+#endif

@@ -1,0 +1,35 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The options of `mcvisi transport`, `mcvisi relight` and `mcvisi explain`: a part of MCV_OPTIONS
+ * (options/options.h). */
+#ifndef MCVISI_HOST_OPTIONS_OPTIONS_TRANSPORT_H
+#define MCVISI_HOST_OPTIONS_OPTIONS_TRANSPORT_H
+
+#define MCV_TRANSPORT_OPTIONS(X) \
+    X(text, matrix, "output", 'o', "F.npz|F.mtx", MCV_IN_TRANSPORT, NULL, 0, 0, \
+      "the matrix: .npz for Python (scipy.sparse.load_npz) and `mcvisi relight`, .mtx for " \
+      "MATLAB; by default the name of the scene with .npz") \
+    X(text, white, "white", 0, "F.exr", MCV_IN_TRANSPORT, NULL, 0, 0, \
+      "also write the image of a white pattern, the sums of the matrix's rows") \
+    X(choice, elements, "elements", 0, "pixels|lamps", MCV_IN_TRANSPORT, "pixels", 0, 0, \
+      "columns of the matrix: pixels, each pixel of an emitter's image, where nothing is " \
+      "interpolated between them, and other emitters as a whole; lamps, all emitters as a whole") \
+    X(number, keep, "keep", 0, "F", MCV_IN_TRANSPORT, "1", 0, 1, \
+      "keep the strongest entries of each row that make up this share of its sum; the others " \
+      "become one entry in an additional column") \
+    X(text, relit, "output", 'o', "F.exr", MCV_IN_RELIGHT, NULL, 0, 0, \
+      "the image; its second part is the standard error") \
+    X(text, relit_png, "png", 0, "F.png", MCV_IN_RELIGHT, NULL, 0, 0, "a preview of the image") \
+    X(list, patterns, "pattern", 0, "[EMITTER=]F.exr", MCV_IN_RELIGHT, NULL, 0, 0, \
+      "the image that an emitter shows: .exr or .npy with linear values, or .png with 8 bits " \
+      "as a scene reads it; by default that of the scene; the emitter may be left out where " \
+      "only one has pixels; may be repeated for other emitters") \
+    X(text, pixel, "pixel", 0, "X,Y", MCV_IN_EXPLAIN, NULL, 0, 0, \
+      "column and row of the pixel, from 0,0 in the top left corner") \
+    X(count, pixel_samples, "spp", 0, "N", MCV_IN_EXPLAIN, "16384", 16, 1ull << 32, \
+      "trace N paths of the pixel") \
+    X(count, routes, "routes", 0, "N", MCV_IN_EXPLAIN, "10", 1, 1000, \
+      "tell of the N routes that bring the most") \
+    X(text, explained, "html", 0, "F.html", MCV_IN_EXPLAIN, NULL, 0, 0, \
+      "also write a page with the routes, and their strongest paths drawn in the set-up")
+
+#endif

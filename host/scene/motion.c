@@ -1,0 +1,90 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "scene/motion.h"
+
+#include "scene/params.h"
+#include "scene/sensors.h"
+
+#include <math.h>
+
+#define EXPOSURE_OF(p) \
+    ((mcv_exposure){.shutter = (p)->shutter, \
+                    .time = isnan((p)->exposureTime) ? 0 : (p)->exposureTime, \
+                    .line_time = isnan((p)->lineTime) ? 0 : (p)->lineTime, \
+                    .strobe_delay = isnan((p)->strobeDelay) ? 0 : (p)->strobeDelay, \
+                    .strobe_time = isnan((p)->strobeTime) ? 0 : (p)->strobeTime, \
+                    .stages = (p)->stages ? (p)->stages : 1})
+
+mcv_exposure mcv_sensor_exposure(const mcv_sensor *sensor) {
+    switch (sensor->type) {
+    case MCV_SENSOR_PINHOLE:
+        return EXPOSURE_OF(&sensor->as.pinhole);
+    case MCV_SENSOR_THIN_LENS:
+        return EXPOSURE_OF(&sensor->as.thin_lens);
+    case MCV_SENSOR_TELECENTRIC:
+        return EXPOSURE_OF(&sensor->as.telecentric);
+    default:
+        return (mcv_exposure){.stages = 1};
+    }
+}
+
+bool mcv_sensor_needs_time(const mcv_sensor *sensor) {
+    const mcv_exposure e = mcv_sensor_exposure(sensor);
+    const double *v = sensor->motion.velocity;
+    const bool moves = v[0] != 0 || v[1] != 0 || v[2] != 0 || sensor->motion.rate != 0;
+    return e.shutter == MCV_SHUTTER_LINE || e.strobe_time > 0 ||
+           (moves && (e.time > 0 || e.shutter == MCV_SHUTTER_ROLLING));
+}
+
+mcv_result mcv_sensor_resolve_exposure(mcv_sensor *sensor, const mcv_json_path *place,
+                                       mcv_error *error) {
+    const mcv_param_table table = mcv_sensor_table(sensor->type);
+    double *time = mcv_params_find(table, "exposureTime", &sensor->as);
+    const mcv_json_path line = mcv_json_path_key(place, "lineTime"),
+                        stages = mcv_json_path_key(place, "stages"),
+                        strobe = mcv_json_path_key(place, "strobeTime"),
+                        delay = mcv_json_path_key(place, "strobeDelay");
+    if (!time) return MCV_OK;
+    const mcv_exposure e = mcv_sensor_exposure(sensor);
+    const char *const *words = mcv_param_options("shutter");
+    if (e.shutter != MCV_SHUTTER_GLOBAL && !(e.line_time > 0))
+        return mcv_fail_at(&line, error, "is missing: a \"%s\" shutter needs the time between rows",
+                           words[e.shutter]);
+    if (e.shutter == MCV_SHUTTER_GLOBAL && e.line_time > 0)
+        return mcv_fail_at(&line, error, "is of a \"rolling\" or \"line\" shutter");
+    if (e.shutter != MCV_SHUTTER_LINE && e.stages > 1)
+        return mcv_fail_at(&stages, error, "are of a \"line\" shutter");
+    if (e.shutter == MCV_SHUTTER_LINE && isnan(*time)) *time = e.line_time;
+    if (e.shutter == MCV_SHUTTER_LINE && *time > e.line_time)
+        return mcv_fail_at(&line, error, "%g s is less than the exposureTime of %g s", e.line_time,
+                           *time);
+    if (e.strobe_delay > 0 && !(e.strobe_time > 0))
+        return mcv_fail_at(&delay, error, "needs strobeTime, which says for how long");
+    if (e.strobe_time > 0 && !(*time > 0))
+        return mcv_fail_at(&strobe, error, "needs an exposureTime, in which it falls");
+    if (e.strobe_time > 0 && e.shutter == MCV_SHUTTER_LINE)
+        return mcv_fail_at(&strobe, error,
+                           "is one flash, which a \"line\" shutter sees in few rows: shorten the "
+                           "exposureTime to that of the flashes");
+    return MCV_OK;
+}
+
+void mcv_motion_prepare(const mcv_sensor *sensor, mcv_motion *device) {
+    const mcv_exposure e = mcv_sensor_exposure(sensor);
+    const mcv_sensor_motion *motion = &sensor->motion;
+    const double *m = sensor->to_world.m;
+    *device = (mcv_motion){.turns_per_second = (float)(-motion->rate / (2 * M_PI)),
+                           .exposure = (float)e.time,
+                           .line_time = (float)e.line_time,
+                           .strobe_begin = (float)e.strobe_delay,
+                           .strobe_end = (float)(e.strobe_delay + e.strobe_time),
+                           .shutter = (uint32_t)e.shutter,
+                           .stages = e.stages};
+    /* Into the sensor's frame, whose z is the node's -z. */
+    for (int i = 0; i < 3; ++i)
+        for (int j = 0; j < 3; ++j) {
+            const float to = (float)((i == 2 ? -1 : 1) * m[3 * j + i]);
+            device->velocity[i] += to * (float)motion->velocity[j];
+            device->axis[i] += to * (float)motion->axis[j];
+            device->centre[i] += to * (float)(motion->centre[j] - m[9 + j]);
+        }
+}

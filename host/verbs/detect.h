@@ -1,0 +1,33 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* What `mcvisi detect` does. */
+#ifndef MCVISI_HOST_VERBS_DETECT_H
+#define MCVISI_HOST_VERBS_DETECT_H
+
+#include "analysis/detect.h"
+#include "io/exr.h"
+#include "options/command.h"
+#include "verbs/report.h"
+
+/* What was found, and with which camera. */
+typedef struct mcv_detected {
+    mcv_detection detection;
+    mcv_camera camera;
+    mcv_image sigmas; /* |difference| in deviations of the noise; owned */
+    char lens[128];   /* what blurs, in words */
+    bool same_seed;
+} mcv_detected;
+
+/* Of two pictures of light with all their replicates; the paths are for messages. After failure
+ * nothing is owned. */
+mcv_result mcv_detect_pictures(const mcv_command *command, const mcv_exr *with,
+                               const char *with_path, const mcv_exr *without,
+                               const char *without_path, mcv_detected *detected, mcv_error *error);
+
+/* Writes the mask of --output. */
+mcv_result mcv_detect_save(const mcv_command *command, const mcv_detected *detected,
+                           mcv_error *error);
+
+void mcv_detect_report(const mcv_command *command, const mcv_detected *detected,
+                       mcv_report *report);
+
+#endif

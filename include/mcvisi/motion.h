@@ -1,0 +1,100 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Time: a sensor that moves while its rows are exposed. MCVISI_motion on the sensor's node gives
+ * the motion; the node stands where the file says at the time 0. The scene stands still, lights
+ * included, so that nothing is built anew for a time: a point p of the sensor is at
+ *
+ *     c + v t + R(ω t) (p - c)          R about the axis a through the centre c
+ *
+ * Row r of what is read out is exposed from t_r on, for exposureTime:
+ *
+ *     global   t_r = 0
+ *     rolling  t_r = r lineTime
+ *     line     t_r = r lineTime; each row of the image is the film's row at the principal point.
+ * With stages N > 1 (TDI) a row is the mean over N rows of the film, j - (N - 1)/2 rows farther
+ * down and line times later
+ *
+ * A strobe lights from strobeDelay on for strobeTime: a row sees what of this lies in its exposure,
+ * and gets that share of the light.
+ */
+#ifndef MCVISI_MOTION_H
+#define MCVISI_MOTION_H
+
+#include "mcvisi/sensors/sensor.h"
+
+enum { MCV_SHUTTER_GLOBAL, MCV_SHUTTER_ROLLING, MCV_SHUTTER_LINE };
+
+/* In the optical frame, which is left-handed: turns have the opposite sign there. */
+typedef struct mcv_motion {
+    float velocity[3]; /* [m/s] */
+    float axis[3];     /* unit */
+    float centre[3];   /* [m] */
+    float turns_per_second;
+    float exposure, line_time;      /* [s] */
+    float strobe_begin, strobe_end; /* equal: no strobe [s] */
+    uint shutter, stages;
+} mcv_motion;
+MCV_ASSERT_SIZE(mcv_motion, 64);
+
+#if !MCV_ON_DEVICE || MCV_WITH_MOTION
+
+/* A moment of a row's exposure. */
+typedef struct mcv_moment {
+    float time, weight;
+    float stage; /* rows of the film below the principal point */
+} mcv_moment;
+
+MCV_LOOP_FUNCTION mcv_moment mcv_expose(MCV_CONSTANT const mcv_motion *m, uint row, float xi,
+                                        float eta) {
+    mcv_moment moment;
+    const uint stages = m->shutter == MCV_SHUTTER_LINE ? m->stages : 1u;
+    moment.stage = (float)mcv_cell(eta, stages) - 0.5f * (float)(stages - 1u);
+    const float rows = m->shutter == MCV_SHUTTER_GLOBAL ? 0.0f : (float)row + moment.stage;
+    float from = rows * m->line_time;
+    float to = from + m->exposure;
+    moment.weight = 1.0f;
+    if (m->strobe_end > m->strobe_begin) {
+        from = from > m->strobe_begin ? from : m->strobe_begin;
+        to = to < m->strobe_end ? to : m->strobe_end;
+        moment.weight = to > from ? (to - from) / (m->strobe_end - m->strobe_begin) : 0.0f;
+    }
+    moment.time = mcv_fma(xi, to - from, from);
+    return moment;
+}
+
+/* The same place of the film's row at the principal point, whose coordinate is `centre`. */
+MCV_LOOP_FUNCTION mcv_film_sample mcv_on_line(mcv_film_sample film, mcv_centre centre,
+                                              float stage) {
+    mcv_film_sample line = film;
+    line.row = centre.halves > 0 ? (uint)centre.halves / 2u : 0u;
+    line.y = film.y - 0.5f + stage + centre.low + 0.5f * (float)(centre.halves - 2 * (int)line.row);
+    return line;
+}
+
+MCV_LOOP_FUNCTION mcv_vec3 mcv_turned(mcv_vec3 axis, float sine, float cosine, mcv_vec3 p) {
+    const mcv_vec3 across =
+        mcv_vec(mcv_fma(axis.y, p.z, -axis.z * p.y), mcv_fma(axis.z, p.x, -axis.x * p.z),
+                mcv_fma(axis.x, p.y, -axis.y * p.x));
+    const float along = mcv_dot(axis, p) * (1.0f - cosine);
+    return mcv_along(mcv_along(mcv_scale(p, cosine), sine, across), along, axis);
+}
+
+/* The ray of a sensor that has moved for a time; the direction's z is no longer 1. */
+MCV_LOOP_FUNCTION mcv_sensor_ray mcv_moved(MCV_CONSTANT const mcv_motion *m, mcv_sensor_ray ray,
+                                           float time) {
+    const mcv_vec3 velocity = mcv_vec(m->velocity[0], m->velocity[1], m->velocity[2]);
+    const mcv_vec3 axis = mcv_vec(m->axis[0], m->axis[1], m->axis[2]);
+    const mcv_vec3 centre = mcv_vec(m->centre[0], m->centre[1], m->centre[2]);
+    const float turns = m->turns_per_second * time;
+    float sine, cosine;
+    mcv_sin_cos_turn(turns - mcv_floor(turns), &sine, &cosine);
+    mcv_sensor_ray moved = ray;
+    moved.origin =
+        mcv_along(mcv_add(centre, mcv_turned(axis, sine, cosine, mcv_sub(ray.origin, centre))),
+                  time, velocity);
+    moved.direction = mcv_turned(axis, sine, cosine, ray.direction);
+    return moved;
+}
+#endif
+
+#endif

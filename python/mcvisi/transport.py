@@ -1,0 +1,163 @@
+# SPDX-License-Identifier: Apache-2.0
+"""Light transport matrices: what each element of the emitters brings to each pixel."""
+
+from __future__ import annotations
+
+import json
+from typing import TYPE_CHECKING, Any, Mapping
+
+from mcvisi.errors import UsageError
+from mcvisi.image import Image
+from mcvisi.library import (
+    Handle,
+    call,
+    ffi,
+    json_of,
+    new_pointer,
+    path_bytes,
+    take_text,
+)
+from mcvisi.options import Path, options_json
+
+if TYPE_CHECKING:
+    import numpy
+
+
+class _Array:
+    """Memory of a matrix for numpy, which keeps this and thereby the matrix."""
+
+    def __init__(self, owner: "Transport", pointer: Any, shape: Any, kind: str) -> None:
+        self._owner = owner
+        self.__array_interface__ = {
+            "version": 3,
+            "shape": shape,
+            "typestr": kind,
+            "data": (int(ffi.cast("uintptr_t", pointer)), True),
+        }
+
+
+class Transport(Handle):
+    """
+    A light transport matrix. Its product with a pattern is the image of that pattern.
+
+    matrix: a scipy.sparse.csr_array without a copy; row pixel * channels + channel, column element.
+    replicates: of each entry its value by each replicate, (entries, replicates).
+    pattern: what the scene shows, (elements, channels). header: pixel grid, elements, attributes.
+    """
+
+    _what = "light transport matrix"
+
+    #: What was rendered: size, elements, entries, seconds.
+    report: Mapping[str, Any]
+
+    def __init__(self, path: Path) -> None:
+        """Reads a matrix (.npz)."""
+        self._own(new_pointer("mcv_transport", "mcv_transport_read", path_bytes(path, "path")), {})
+
+    def _own(self, pointer: Any, report: Mapping[str, Any]) -> None:
+        Handle.__init__(self, pointer, "mcv_transport_free")
+        self.report = report
+        self.header: Mapping[str, Any] = json_of("mcv_transport_header", pointer)
+        self._entries = ffi.new("mcv_matrix_entries *", {"size": ffi.sizeof("mcv_matrix_entries")})
+        call("mcv_transport_entries", pointer, self._entries)
+
+    @classmethod
+    def _of(cls, pointer: Any, report: Mapping[str, Any]) -> "Transport":
+        made = cls.__new__(cls)
+        made._own(pointer, report)
+        return made
+
+    def _array(self, pointer: Any, shape: Any, kind: str) -> "numpy.ndarray[Any, Any]":
+        import numpy
+
+        return numpy.asarray(_Array(self, pointer, shape, kind))
+
+    @property
+    def matrix(self) -> Any:
+        """A scipy.sparse.csr_array, which needs SciPy."""
+        import scipy.sparse  # type: ignore[import-untyped]
+
+        e = self._entries
+        return scipy.sparse.csr_array(
+            (
+                self._array(e.values, (e.entry_count,), "<f8"),
+                self._array(e.columns, (e.entry_count,), "<i4"),
+                self._array(e.row_begins, (e.row_count + 1,), "<i8"),
+            ),
+            shape=(e.row_count, e.column_count),
+        )
+
+    @property
+    def replicates(self) -> "numpy.ndarray[Any, Any]":
+        e = self._entries
+        return self._array(e.replicates, (e.entry_count, e.replicate_count), "<f4")
+
+    @property
+    def pattern(self) -> "numpy.ndarray[Any, Any]":
+        shape = (self._entries.element_count, self.header["channels"])
+        return self._array(self._entries.pattern, shape, "<f4")
+
+    def elements(self, emitter: str) -> slice:
+        """The rows of a pattern that belong to an emitter, pixel by pixel."""
+        for group in self.header["elements"]:
+            if group["emitter"] == emitter:
+                first = group["first"]
+                return slice(first, first + group["width"] * group["height"])
+        raise UsageError(
+            "emitter: there is no %r, but %s"
+            % (emitter, ", ".join(repr(group["emitter"]) for group in self.header["elements"]))
+        )
+
+    def relight(self, pattern: Any = None) -> Image:
+        """
+        The image of a pattern, with its standard error from the replicates.
+
+        pattern: an array (elements, channels), or (elements,) for all channels; or a dictionary of
+        arrays (rows, columns[, channels]) or numbers by the emitter's name, where the others are as
+        in the scene; None: that of the scene.
+        """
+        picture = ffi.new("mcv_picture **")
+        report = ffi.new("char **")
+        values = self._values(pattern)
+        call(
+            "mcv_transport_relight",
+            self._get(),
+            ffi.from_buffer("float[]", values),
+            values.size,
+            options_json({}),
+            picture,
+            report,
+        )
+        return Image._of(picture[0], json.loads(take_text(report) or "{}"))
+
+    def _values(self, pattern: Any) -> "numpy.ndarray[Any, Any]":
+        import numpy
+
+        whole = numpy.array(self.pattern)
+        if isinstance(pattern, Mapping):
+            for emitter, shown in pattern.items():
+                part = whole[self.elements(emitter)]
+                try:
+                    array = numpy.asarray(shown, dtype=numpy.float32)
+                    part[:] = array if array.ndim == 0 else array.reshape(len(part), -1)
+                except ValueError as error:
+                    raise UsageError("pattern: %s: %s" % (emitter, error)) from None
+        elif pattern is not None:
+            array = numpy.asarray(pattern, dtype=numpy.float32)
+            if array.shape not in (whole.shape, whole.shape[:1]):
+                raise UsageError("pattern: must have the shape %s" % (whole.shape,))
+            whole[:] = array.reshape(len(whole), -1)
+        return numpy.ascontiguousarray(whole)
+
+    def save(self, path: Path) -> None:
+        """Writes .npz, or .mtx (MatrixMarket) with the values alone."""
+        call("mcv_transport_write", self._get(), path_bytes(path, "path"))
+
+    def __repr__(self) -> str:
+        e = self._entries
+        return "<mcvisi.Transport %d x %d, %d entries>" % (
+            e.row_count,
+            e.column_count,
+            e.entry_count,
+        )
+

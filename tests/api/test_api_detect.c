@@ -1,0 +1,96 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* mcvisi detect and mcv_picture_detect: a closed form through renders of the reference renderer,
+ * and what is refused. No OpenCL device is needed. */
+#include "api.h"
+
+#include "program.h"
+
+#include <math.h>
+
+#define RENDER "render sky.gltf --device reference --spp 8 --parts replicates "
+
+/* The sky is 2.5 without the defect and 2.6 with it, without noise. */
+static int make_pictures(void **state) {
+    if (enter_folder(state)) return -1;
+    write_file("sky.gltf", sky_rig);
+    program_well(RENDER "-o without.exr");
+    program_well(RENDER "--set emitters/sky/radiance=2.6 -o with.exr");
+    program_well(RENDER "--resolution 8x6 -o small.exr");
+    program_well("render sky.gltf --device reference --spp 8 -o lone.exr");
+    program_well(RENDER "--replicates 2 -o two.exr");
+    return 0;
+}
+
+/* 1000 electrons per unit; 12 bits of 10000 electrons: Δ = 100, σ² = 2500 + 1/(12 K²) with K =
+ * 0.4095, in each of 16 x 12 pixels. Pixels are float32: 1e-5 of Δ. */
+static void tells_the_closed_form(void **state) {
+    const double variance = 2500 + 1 / (12 * 0.4095 * 0.4095);
+    (void)state;
+    json_t *report =
+        program_json("detect with.exr without.exr --electrons-per-unit 1000 --json -o mask.png");
+    const double squared = 192 * 1e4 / variance, value = number_at(report, "detectability/value");
+    if (fabs(value / sqrt(squared) - 1) > 1e-5)
+        fail_msg("d' is %.9g, must be %.9g", value, sqrt(squared));
+    assert_true(fabs(number_at(report, "detectability/low") / value - 1) < 1e-5);
+    assert_true(fabs(number_at(report, "contrast/value") / 0.04 - 1) < 1e-5);
+    assert_true(fabs(number_at(report, "rms_contrast/value") / 0.04 - 1) < 1e-5);
+    assert_true(fabs(number_at(report, "mean") / 2500 - 1) < 1e-5);
+    assert_true(fabs(number_at(report, "noise") / sqrt(variance) - 1) < 1e-5);
+    assert_true(number_at(report, "values") == 192);
+    assert_true(number_at(report, "visible") == 0); /* 2 σ each */
+    json_decref(report);
+    assert_int_equal(access("mask.png", F_OK), 0);
+    /* A quarter of the pixels has half of d', and each shows it from 1.9 σ on. */
+    report = program_json("detect with.exr without.exr --electrons-per-unit 1000 --json "
+                          "--within 4,3,8,6 --visible 1.9");
+    assert_true(fabs(number_at(report, "detectability/value") / (sqrt(squared) / 2) - 1) < 1e-5);
+    assert_true(number_at(report, "visible") == 48);
+    json_decref(report);
+    /* Without a defect there is nothing to find: hits are as rare as false calls. */
+    report = program_json("detect without.exr without.exr --electrons-per-unit 1000 --json");
+    assert_true(number_at(report, "detectability/high") == 0);
+    assert_true(fabs(number_at(report, "found_at_1_percent_false_calls") - 0.01) < 1e-9);
+    json_decref(report);
+}
+
+static void the_library_gives_sigmas(void **state) {
+    mcv_picture *with = NULL, *without = NULL, *visible = NULL;
+    mcv_part part = {.size = sizeof part};
+    char *report = NULL;
+    (void)state;
+    WELL(mcv_picture_read("with.exr", &with, &error));
+    WELL(mcv_picture_read("without.exr", &without, &error));
+    WELL(mcv_picture_detect(with, without, "{\"electrons_per_unit\": 1000}", &visible, &report,
+                            &error));
+    assert_non_null(strstr(report, "\"detectability\""));
+    mcv_text_free(report);
+    WELL(mcv_picture_part(visible, 0, &part, &error));
+    const double sigmas = 100 / sqrt(2500 + 1 / (12 * 0.4095 * 0.4095));
+    assert_int_equal(part.width, 16);
+    for (int i = 0; i < 192; ++i) assert_true(fabs((double)part.planes[i] / sigmas - 1) < 1e-5);
+    FAILS(MCV_USAGE, "exactly once",
+          mcv_picture_detect(with, without, NULL, NULL, &report, &error));
+    assert_null(report);
+    mcv_picture_free(with);
+    mcv_picture_free(without);
+    mcv_picture_free(visible);
+}
+
+static void refuses_bad_input(void **state) {
+    (void)state;
+    program_fails("detect with.exr small.exr --expose-to 0.5", 3, "16 x 12 pixels");
+    program_fails("detect with.exr lone.exr --expose-to 0.5", 3, "--parts replicates");
+    program_fails("detect with.exr two.exr --expose-to 0.5", 3, "both must have as many");
+    program_fails("detect with.exr without.exr", 2, "exactly once");
+    program_fails("detect with.exr", 2, "WITHOUT.exr");
+    program_fails("detect with.exr none.exr --expose-to 0.5", 3, "none.exr");
+    program_fails("detect with.exr without.exr --expose-to 0.5 -o mask.jpg", 2, ".png");
+    program_fails("detect with.exr without.exr --expose-to 0.5 --within 10,10,9,9", 2, "10,10,9,9");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(tells_the_closed_form),
+                                       cmocka_unit_test(the_library_gives_sigmas),
+                                       cmocka_unit_test(refuses_bad_input)};
+    return cmocka_run_group_tests(tests, make_pictures, leave_folder);
+}

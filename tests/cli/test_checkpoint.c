@@ -1,0 +1,211 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Renders that are interrupted or killed, and go on from their checkpoint. */
+#include "test.h"
+
+#include "child.h"
+#include "same_image.h"
+
+#include "film/film_file.h"
+
+#ifndef KILLS
+#define KILLS 3 /* of each render */
+#endif
+
+#define SCENES MCV_SOURCE_DIR "/scenes/"
+
+/* When a file was written; 0: there is none. */
+static struct timespec modified(const char *path) {
+    struct stat status;
+    return stat(path, &status) == 0 ? status.st_mtim : (struct timespec){0};
+}
+
+static bool is_same(struct timespec a, struct timespec b) {
+    return a.tv_sec == b.tv_sec && a.tv_nsec == b.tv_nsec;
+}
+
+/* Kills a render at moments that depend on `seed`, each after a save that was asked for, and lets
+ * it go on until it is done. The saves that were met are counted. */
+static int render_with_kills(const char *line, int kills, unsigned seed) {
+    int saves = 0;
+    char resumed[1024];
+    snprintf(resumed, sizeof resumed, "render %s -o killed.exr --checkpoint killed.film --resume",
+             line);
+    srand(seed);
+    remove("killed.exr");
+    for (int i = 0; i < kills; ++i) {
+        const pid_t child = child_start(resumed, 0);
+        const double late = 0.1 * rand() / RAND_MAX, later = 0.04 * rand() / RAND_MAX;
+        const struct timespec before = modified("killed.film");
+        child_wait_for_handler(child, SIGTERM);
+        sleep_for(late);
+        /* While kernels are built, the driver's LLVM has a handler of its own: ask again. */
+        for (int k = 0; k < 6000; ++k, sleep_for(0.005)) {
+            if (child_ended(child) || !is_same(before, modified("killed.film"))) break;
+            if (k % 10 == 0) kill(child, SIGUSR1);
+        }
+        sleep_for(later);
+        kill(child, SIGKILL);
+        const int code = child_end(child);
+        if (code == 0) break;
+        if (code != -SIGKILL) fail_msg("mcvisi %s: exit code %d: %s", resumed, code, said);
+        saves += access("killed.film", R_OK) == 0;
+    }
+    program_well(resumed);
+    if (access("killed.film", F_OK) == 0) fail_msg("the checkpoint of a finished render is there");
+    return saves;
+}
+
+static int kills_change_nothing(const char *line, int kills, unsigned seed) {
+    char whole[1024];
+    snprintf(whole, sizeof whole, "render %s -o whole.exr --checkpoint off", line);
+    program_well(whole);
+    const int saves = render_with_kills(line, kills, seed);
+    expect_same_image("whole.exr", "killed.exr");
+    return saves;
+}
+
+static void test_killed_renders_go_on_to_the_same_bits(void **state) {
+    (void)state;
+    static const char *const lines[] = {
+        SCENES "beam.gltf --resolution 96x96 --spp 2048",
+        SCENES "beam.gltf --resolution 64x64 --error 0.03 --seed 7",
+        SCENES "beam.gltf --resolution 64x64 --samples 512:1024 --replicates 3",
+        SCENES "caustic.gltf --resolution 32x32 --spp 1024 --light-paths on",
+        SCENES "caustic.gltf --resolution 32x32 --spp 1024 --adaptive",
+    };
+    int saves = 0;
+    for (unsigned i = 0; i < sizeof lines / sizeof lines[0]; ++i)
+        saves += kills_change_nothing(lines[i], KILLS, i);
+    print_message("%d kills found a checkpoint\n", saves);
+    if (saves == 0) fail_msg("no render was killed after a save: the test shows nothing");
+}
+
+/* The reference renderer saves the rows that are done. */
+static void test_the_reference_goes_on(void **state) {
+    (void)state;
+    const int saves = kills_change_nothing(
+        SCENES "beam.gltf --resolution 48x48 --spp 256 --device reference", KILLS, 9);
+    print_message("%d kills found a checkpoint\n", saves);
+}
+
+/* --- one checkpoint, for the tests that follow --- */
+
+#define STOPPED SCENES "beam.gltf --resolution 48x48"
+
+static void stop_a_render(const char *options) {
+    char line[1024];
+    snprintf(line, sizeof line, "render " STOPPED " -o stopped.exr --checkpoint stopped.film %s",
+             options);
+    const pid_t child = child_start(line, 0);
+    child_wait_for_handler(child, SIGTERM);
+    kill(child, SIGTERM);
+    const int code = child_end(child);
+    if (code != 143) fail_msg("mcvisi %s: exit code %d: %s", line, code, said);
+    assert_non_null(strstr(said, "continue by --resume from stopped.film"));
+}
+
+static void test_what_does_not_match_is_named(void **state) {
+    (void)state;
+    static const struct {
+        const char *options, *words;
+    } cases[] = {
+        {STOPPED " --spp 1000000 --seed 1", "with --seed as it is by default, not 1"},
+        {STOPPED " --spp 2000000", "with --spp 1000000, not 2000000"},
+        {STOPPED " --spp 1000000 --depth 4", "--depth"},
+        {STOPPED " --spp 1000000 --precision double", "with --precision single, not double"},
+        {STOPPED " --spp 1000000 --split off", "--split"},
+        {STOPPED " --spp 1000000 --replicates 8", "--replicates"},
+        {STOPPED " --spp 1000000 --set sensors/camera/radiometry=irradiance", "--set"},
+        {SCENES "beam.gltf --spp 1000000", "--resolution 48x48"},
+        {SCENES "sky.gltf --spp 1000000 --resolution 48x48", "is of another scene"},
+    };
+    stop_a_render("--spp 1000000");
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        char line[1024];
+        snprintf(line, sizeof line, "render %s -o other.exr --checkpoint stopped.film --resume",
+                 cases[i].options);
+        program_fails(line, 3, cases[i].words);
+    }
+}
+
+/* Any byte that differs, and any cut, is noticed. */
+static void test_damaged_checkpoints_are_refused(void **state) {
+    (void)state;
+    static uint8_t bytes[1 << 21];
+    stop_a_render("--spp 1000000 --resume");
+    FILE *file = fopen("stopped.film", "rb");
+    assert_non_null(file);
+    const size_t size = fread(bytes, 1, sizeof bytes, file);
+    fclose(file);
+    assert_true(size > 10000 && size < sizeof bytes);
+    for (size_t i = 0; i < 12; ++i) {
+        const size_t at = i < 4 ? 4 * i : size / 12 * i;
+        bytes[at] ^= 0x10;
+        file = fopen("damaged.film", "wb");
+        assert_int_equal(fwrite(bytes, 1, i == 11 ? size / 2 : size, file),
+                         i == 11 ? size / 2 : size);
+        fclose(file);
+        bytes[at] ^= 0x10;
+        program_fails("render " STOPPED
+                      " --spp 1000000 -o other.exr --checkpoint damaged.film --resume",
+                      3, "damaged.film: ");
+    }
+}
+
+/* What is finished stays, and an interrupted image says so. */
+static void test_an_interrupted_image_is_known(void **state) {
+    (void)state;
+    mcv_error error = {""};
+    mcv_exr image;
+    remove("stopped.film");
+    remove("stopped.exr");
+    stop_a_render("--spp 1000000");
+    assert_int_equal(mcv_exr_read("stopped.exr", &image, &error), MCV_OK);
+    assert_non_null(mcv_exr_numbers(&image, "mcvisi:interrupted", 1));
+    mcv_exr_free(&image);
+    program_well("render " STOPPED " -o stopped.exr --spp 4 --checkpoint off");
+    program_well("render " STOPPED " -o finished.exr --spp 4 --checkpoint off");
+    remove("stopped.film");
+    stop_a_render("--spp 1000000");
+    if (!strstr(said, "saved in stopped-interrupted.exr; the finished image stays, stopped.exr"))
+        fail_msg("%s", said);
+    expect_same_image("finished.exr", "stopped.exr");
+    assert_int_equal(access("stopped-interrupted.exr", R_OK), 0);
+    assert_int_equal(access("stopped-interrupted.png", R_OK), 0);
+    program("render " STOPPED " -o stopped.exr --spp 4 --checkpoint stopped.film");
+    assert_non_null(strstr(said, "stopped.film: holds an unfinished render"));
+}
+
+/* The time before counts: a checkpoint that says that all of it has passed ends at once. */
+static void test_time_goes_on(void **state) {
+    (void)state;
+    mcv_film_file file;
+    mcv_error error = {""};
+    remove("stopped.film");
+    stop_a_render("--time 1000");
+    assert_int_equal(mcv_film_file_read("stopped.film", &file, &error), MCV_OK);
+    json_t *state_of = json_object_get(file.facts, "state");
+    const double before = json_number_value(json_object_get(state_of, "seconds"));
+    if (!(before > 0 && before < 300)) fail_msg("%g s had passed", before);
+    json_object_set_new(state_of, "seconds", json_real(999.99));
+    json_object_del(file.facts, "film");
+    assert_int_equal(
+        mcv_film_file_write("stopped.film", &file.film, &file.round, file.facts, &error), MCV_OK);
+    mcv_film_file_free(&file);
+    const double begun = now();
+    program_well("render " STOPPED
+                 " -o stopped.exr --checkpoint stopped.film --time 1000 --resume");
+    if (now() - begun > 100) fail_msg("%.2f s of 1000 s were left after 999.99 s", now() - begun);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_killed_renders_go_on_to_the_same_bits),
+        cmocka_unit_test(test_the_reference_goes_on),
+        cmocka_unit_test(test_what_does_not_match_is_named),
+        cmocka_unit_test(test_damaged_checkpoints_are_refused),
+        cmocka_unit_test(test_an_interrupted_image_is_known),
+        cmocka_unit_test(test_time_goes_on),
+    };
+    return cmocka_run_group_tests(tests, enter_folder, leave_folder);
+}

@@ -1,0 +1,95 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Sweeps and merges that are killed at any moment: no file is damaged, and what goes on ends as it
+ * would have without. */
+#include "test.h"
+
+#include "child.h"
+#include "same_image.h"
+
+#ifndef KILLS
+#define KILLS 4 /* of sweeps, and of merges */
+#endif
+
+#define SWEEP \
+    "sweep " MCV_SOURCE_DIR "/scenes/beam.gltf --vary emitters/beam/power=1..12:12 --metric mean " \
+    "--spp 16 --resolution 16x16 --device reference"
+
+/* Kills the line at a random moment of the time that it takes. True if it was killed. */
+static bool kill_once(const char *line, double seconds) {
+    const pid_t child = child_start(line, 0);
+    const double end = now() + seconds * rand() / RAND_MAX;
+    while (now() < end && !child_ended(child)) sleep_for(0.001);
+    kill(child, SIGKILL);
+    const int code = child_end(child);
+    if (code != 0 && code != -SIGKILL) fail_msg("mcvisi %s: exit code %d: %s", line, code, said);
+    return code != 0;
+}
+
+/* The rows without their seconds; the caller frees them. */
+static char *rows_of(const char *path) {
+    char *text = NULL, line[1024];
+    size_t size;
+    FILE *file = fopen(path, "r"), *out = open_memstream(&text, &size);
+    if (!file) fail_msg("%s: cannot be read", path);
+    while (fgets(line, sizeof line, file)) {
+        char *end = strrchr(line, ',');
+        while (end && end > line && end[-1] != ',') --end;
+        fprintf(out, "%.*s\n", end ? (int)(end - line) : 0, line);
+    }
+    fclose(file);
+    fclose(out);
+    return text;
+}
+
+static void test_killed_sweeps_end_in_the_same_rows(void **state) {
+    (void)state;
+    const double begun = now();
+    program_well(SWEEP " -o whole.csv");
+    const double seconds = now() - begun;
+    int killed = 0;
+    srand(1);
+    for (int done = 0; done < KILLS; ++done) {
+        if (!kill_once(SWEEP " -o killed.csv --resume", seconds)) {
+            remove("killed.csv"); /* it was done: begin again */
+            continue;
+        }
+        ++killed;
+    }
+    program_well(SWEEP " -o killed.csv --resume");
+    char *whole = rows_of("whole.csv"), *rows = rows_of("killed.csv");
+    if (strcmp(whole, rows) != 0) fail_msg("after %d kills:\n%s\n%s", killed, whole, rows);
+    free(whole);
+    free(rows);
+    print_message("%d of %d were killed\n", killed, KILLS);
+}
+
+/* The image that a merge replaces is the old one or the new one, whole. */
+static void test_killed_merges_leave_whole_files(void **state) {
+    static const char line[] = "merge a.film b.film -o merged.exr";
+    (void)state;
+    int killed = 0;
+    program_well("render " MCV_SOURCE_DIR "/scenes/beam.gltf --resolution 64x64 --samples 0:4 "
+                 "--film a.film -o a.exr --device reference");
+    program_well("render " MCV_SOURCE_DIR "/scenes/beam.gltf --resolution 64x64 --samples 4:8 "
+                 "--film b.film -o b.exr --device reference");
+    const double begun = now();
+    program_well(line);
+    const double seconds = now() - begun;
+    assert_int_equal(rename("merged.exr", "whole.exr"), 0);
+    srand(2);
+    for (int i = 0; i < KILLS; ++i) {
+        killed += kill_once(line, seconds);
+        if (access("merged.exr", F_OK) == 0) expect_same_image("whole.exr", "merged.exr");
+    }
+    program_well(line);
+    expect_same_image("whole.exr", "merged.exr");
+    print_message("%d of %d were killed\n", killed, KILLS);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_killed_sweeps_end_in_the_same_rows),
+        cmocka_unit_test(test_killed_merges_leave_whole_files),
+    };
+    return cmocka_run_group_tests(tests, enter_folder, leave_folder);
+}

@@ -1,0 +1,128 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* mcvisi pod of an experiment: sets are rendered with noise of their own, the table is continued,
+ * and what it tells is what is known. */
+#include "program.h"
+
+#include <math.h>
+
+/* A panel that fills the view of a pinhole camera of 8 x 8 pixels. */
+static const char scene[] =
+    "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0,1]}],"
+    "\"extensionsUsed\":[\"MCVISI_sensors\",\"MCVISI_emitters\"],\"extensions\":{"
+    "\"MCVISI_sensors\":{\"sensors\":[{\"name\":\"cam\",\"type\":\"pinhole\",\"imageDistance\":0."
+    "01,\"resolution\":[8,8],\"pixelSize\":0.0004}]},"
+    "\"MCVISI_emitters\":{\"emitters\":[{\"name\":\"panel\",\"type\":\"area\",\"size\":[2,2],"
+    "\"radiance\":1}]}},"
+    "\"nodes\":[{\"extensions\":{\"MCVISI_sensors\":{\"sensor\":0}}},"
+    "{\"name\":\"stand\",\"translation\":[0,0,-1],\"rotation\":[0,1,0,0],\"extensions\":{\"MCVISI_"
+    "emitters\":{\"emitter\":0}}}]}";
+
+static int fresh(void **state) {
+    (void)state;
+    if (system("rm -rf ./*") != 0) return -1;
+    write_file("s.gltf", scene);
+    return 0;
+}
+
+/* The "size" is the panel's radiance, its signal the grey value of one pixel: y = 1000 x ± the read
+ * noise of 100 and the shot noise of √(1000 x), 104.9 at x = 1. */
+#define STUDY \
+    "{\"rig\": \"s.gltf\", \"vary\": \"emitters/panel/radiance=0.4..1.6:40\", \"region\": " \
+    "\"mid=4,4,1,1\", \"metric\": \"grey:=mid.mean\", \"electrons-per-unit\": 1000, " \
+    "\"full-well\": 4095, \"bits\": 12, \"read-noise\": 100, \"spp\": 16"
+#define TELL \
+    ", \"pod\": {\"size\": \"radiance\", \"signal\": \"grey\", \"threshold\": \"1000\", " \
+    "\"size-scale\": \"linear\", \"signal-scale\": \"linear\", \"size-unit\": \"none\"}}"
+
+static double number(const json_t *report, const char *group, const char *key) {
+    return json_number_value(json_object_get(json_object_get(report, group), key));
+}
+
+static void test_study(void **state) {
+    (void)state;
+    write_file("study.json", STUDY TELL);
+    json_t *report = program_json("pod study.json --json");
+    /* The scatter of 40 is known to 11 %: four of these. a50 is known to s/(1000 √40). */
+    const double scatter = number(report, "fit", "scatter"), a50 = number(report, "a50", "value");
+    if (!(fabs(scatter / 105 - 1) < 0.45)) fail_msg("scatter %g: must be 105", scatter);
+    if (!(fabs(a50 - 1) < 4 * 0.105 / sqrt(40))) fail_msg("a50 %g: must be 1", a50);
+    const double bound = json_number_value(json_object_get(report, "a90_bound"));
+    if (!(bound > 1 + 1.2816 * 0.105 - 0.05 && bound < 1.35)) fail_msg("a90/95 %g", bound);
+    json_decref(report);
+    const char *page = read_whole("study-pod.html");
+    assert_non_null(strstr(page, "What was simulated"));
+    assert_non_null(strstr(page, "emitters/panel/radiance=0.4..1.6:40"));
+    /* The table goes on: nothing is rendered again, and a threshold of the command line counts. */
+    report = program_json("pod study.json --json --threshold 1100");
+    assert_true(fabs(number(report, "a50", "value") - a50 - 0.1) < 0.02);
+    json_decref(report);
+    assert_int_equal(system("test \"$(wc -l < study-sweep.csv)\" = 41"), 0);
+    /* The sweep takes the same file, and pod its table. */
+    program_well("sweep study.json --spp 4 -o other.csv --noise own");
+    program_well("pod other.csv --size radiance --signal grey --threshold 1000 --size-unit none");
+}
+
+/* With common random numbers all sets have one noise: that of one pixel does not scatter. */
+static void test_common_noise(void **state) {
+    (void)state;
+    write_file("common.json", STUDY ", \"noise\": \"common\"" TELL);
+    json_t *report = program_json("pod common.json --json");
+    assert_true(number(report, "fit", "scatter") < 20);
+    json_decref(report);
+    /* It is told, and not told of sets with noise of their own. */
+    static const char tell[] = "--size radiance --signal grey --threshold 1000 --size-unit none";
+    char line[256];
+    snprintf(line, sizeof line, "pod common-sweep.csv %s", tell);
+    program_well(line);
+    if (!strstr(said, "common random numbers")) fail_msg("%s", said);
+    write_file("own.json", STUDY TELL);
+    program_well("pod own.json");
+    if (strstr(said, "common random numbers")) fail_msg("%s", said);
+}
+
+/* A program decides, and only where it is allowed. */
+static void test_program(void **state) {
+    (void)state;
+    write_file("judge.py", "import json, sys\n"
+                           "for line in sys.stdin:\n"
+                           "    q = json.loads(line)\n"
+                           "    data = open(q['image'], 'rb').read()\n"
+                           "    value = int.from_bytes(data[8:10], 'little')\n"
+                           "    print(json.dumps({'found': value > 1000}), flush=True)\n");
+    write_file("hits.json",
+               "{\"rig\": \"s.gltf\", \"vary\": \"emitters/panel/radiance=0.6..1.4:60\", "
+               "\"metric\": \"found:=worker(python3 judge.py)\", \"electrons-per-unit\": 1000, "
+               "\"full-well\": 4095, \"bits\": 12, \"read-noise\": 100, \"spp\": 4, "
+               "\"pod\": {\"size\": \"radiance\", \"hit\": \"found\", \"size-unit\": \"none\"}}");
+    program_fails("pod hits.json", 2, "--allow-exec");
+    json_t *report = program_json("pod hits.json --allow-exec --json");
+    const double a50 = number(report, "a50", "value");
+    /* 60 hits and misses about 1 ± 0.105 over a width of 0.8: some 16 of them in the slope. */
+    if (!(fabs(a50 - 1) < 0.12)) fail_msg("a50 %g: must be 1", a50);
+    json_decref(report);
+    write_file("hits.json", STUDY ", \"allow-exec\": true" TELL);
+    program_fails("pod hits.json", 3, "is not for files");
+}
+
+static void test_wrong_files(void **state) {
+    (void)state;
+    program_fails("pod none.json", 3, "none.json");
+    write_file("bad.json", "{");
+    program_fails("pod bad.json", 3, "is not JSON");
+    write_file("bad.json", "{\"rig\": \"s.gltf\"}");
+    program_fails("pod bad.json", 3, "pod: is missing");
+    write_file("bad.json", "{\"pod\": {}}");
+    program_fails("pod bad.json", 3, "rig: is missing");
+    write_file("bad.json", STUDY ", \"pod\": {\"sgnal\": \"grey\"}}");
+    program_fails("pod bad.json", 2, "sgnal");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup(test_study, fresh),
+        cmocka_unit_test_setup(test_common_noise, fresh),
+        cmocka_unit_test_setup(test_program, fresh),
+        cmocka_unit_test_setup(test_wrong_files, fresh),
+    };
+    return cmocka_run_group_tests(tests, enter_folder, leave_folder);
+}

@@ -1,0 +1,80 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Signals to the program, and its limits: exit codes, and what is left behind. */
+#include "test.h"
+
+#include "child.h"
+
+#define SCENE MCV_SOURCE_DIR "/scenes/beam.gltf"
+
+/* The driver's compiler gets the signal as well where it goes to the whole group, as from a batch
+ * system; LLVM in the driver removes its files in any case. */
+static void test_terminated_while_kernels_are_built(void **state) {
+    (void)state;
+    int built = 0;
+    for (int turn = 0; turn < 4; ++turn) {
+        char cache[64];
+        snprintf(cache, sizeof cache, "cache-%d", turn);
+        assert_int_equal(mkdir(cache, 0700), 0);
+        setenv("POCL_CACHE_DIR", cache, 1);
+        const pid_t child =
+            child_start("render " SCENE " -o early.exr --resolution 8x8 --spp 4", 0);
+        for (int i = 0; i < 10000 && files_named(cache, "tempfile") == 0 && !child_ended(child);
+             ++i)
+            sleep_for(0.001);
+        sleep_for(0.03 * turn);
+        built += files_named(cache, "tempfile") > 0;
+        kill(turn % 2 ? -child : child, SIGTERM);
+        const int code = child_end(child);
+        if (code != 143) fail_msg("turn %d: exit code %d, not 143: %s", turn, code, said);
+        assert_null(strstr(said, "clBuildProgram"));
+        assert_int_equal(files_named(".", ".part"), 0);
+    }
+    unsetenv("POCL_CACHE_DIR");
+    if (built == 0)
+        print_message("the driver showed no temporary file: its building was not met\n");
+}
+
+/* The reference renderer begins at once and does not end in the time of a test. */
+static void test_signals_end_with_their_codes(void **state) {
+    (void)state;
+    static const int signals[] = {SIGINT, SIGTERM, SIGHUP, SIGXCPU};
+    for (size_t i = 0; i < sizeof signals / sizeof signals[0]; ++i) {
+        remove("stopped.exr");
+        const pid_t child = child_start(
+            "render " SCENE " -o stopped.exr --resolution 16x16 --time 1000 --device reference", 0);
+        child_wait_for_handler(child, signals[i]);
+        kill(child, signals[i]);
+        const int code = child_end(child);
+        if (code != 128 + signals[i])
+            fail_msg("signal %d: exit code %d: %s", signals[i], code, said);
+        assert_int_equal(access("stopped.exr", R_OK), 0);
+        assert_int_equal(files_named(".", ".part"), 0);
+    }
+}
+
+/* A write above the limit fails with a sentence; the old image stays. */
+static void test_limited_file_size(void **state) {
+    (void)state;
+    write_file("limited.exr", "the image before");
+    const pid_t child = child_start(
+        "render " SCENE " -o limited.exr --resolution 64x64 --spp 4 --device reference", 2048);
+    const int code = child_end(child);
+    if (code != 1 || !strstr(said, "limited.exr: writing failed: File too large"))
+        fail_msg("exit code %d: %s", code, said);
+    assert_int_equal(files_named(".", ".part"), 0);
+    char text[64] = "";
+    FILE *file = fopen("limited.exr", "r");
+    assert_non_null(file);
+    text[fread(text, 1, sizeof text - 1, file)] = '\0';
+    fclose(file);
+    assert_string_equal(text, "the image before");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_terminated_while_kernels_are_built),
+        cmocka_unit_test(test_signals_end_with_their_codes),
+        cmocka_unit_test(test_limited_file_size),
+    };
+    return cmocka_run_group_tests(tests, enter_folder, leave_folder);
+}

@@ -1,0 +1,162 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Sweeps in parts, several sweeps on one table, sets that are tried again. */
+#include "test.h"
+
+#include "child.h"
+
+#define SWEEP \
+    "sweep " MCV_SOURCE_DIR "/scenes/beam.gltf --vary emitters/beam/power=1..8:8 --metric mean " \
+    "--spp 4 --resolution 8x8 --device reference"
+
+/* The file without its columns of seconds, which differ; the caller frees it. */
+static char *table_of(const char *path) {
+    char *text = NULL, line[1024];
+    size_t size;
+    FILE *file = fopen(path, "r"), *out = open_memstream(&text, &size);
+    if (!file) fail_msg("%s: cannot be read", path);
+    while (fgets(line, sizeof line, file)) {
+        char *end = strrchr(line, ',');
+        assert_non_null(end);
+        while (end > line && end[-1] != ',') --end;
+        fprintf(out, "%.*s\n", (int)(end - line), line);
+    }
+    fclose(file);
+    fclose(out);
+    return text;
+}
+
+static void expect_same_tables(const char *a, const char *b) {
+    char *x = table_of(a), *y = table_of(b);
+    if (strcmp(x, y) != 0) fail_msg("%s and %s differ:\n%s\n%s", a, b, x, y);
+    free(x);
+    free(y);
+}
+
+static void test_parts_make_the_table(void **state) {
+    (void)state;
+    program_well(SWEEP " -o whole.csv");
+    program_well(SWEEP " -o part.csv --range 2/3");
+    program_well(SWEEP " -o part.csv --range 0/3");
+    program_well(SWEEP " -o part.csv --range 1/3");
+    program_well("merge part.2-of-3.csv part.0-of-3.csv part.1-of-3.csv -o joined.csv");
+    assert_null(strstr(said, "missing"));
+    expect_same_tables("whole.csv", "joined.csv");
+    /* The page comes of the experiment beside the table, without a render. */
+    program_well("sweep joined.json -o joined.csv --resume");
+    expect_same_tables("whole.csv", "joined.csv");
+    assert_int_equal(access("joined.html", R_OK), 0);
+}
+
+static void test_what_is_wrong_with_parts_is_told(void **state) {
+    (void)state;
+    program_well("merge part.2-of-3.csv part.0-of-3.csv -o two.csv");
+    assert_non_null(strstr(said, "parts are missing: 1/3"));
+    program_well("sweep two.json -o two.csv --resume");
+    program_fails("merge part.0-of-3.csv part.0-of-3.csv -o no.csv", 3, "both have set 0");
+    program_fails("merge part.0-of-3.csv whole.csv -o no.csv", 3, "both have set 0");
+    program_fails("merge part.0-of-3.csv part.1-of-3.csv -o two.csv", 3, "exists already");
+    program_well("merge part.0-of-3.csv part.1-of-3.csv -o two.csv --force");
+    program_well(SWEEP " --seed 5 -o seed.csv --range 1/3");
+    program_fails("merge part.0-of-3.csv seed.1-of-3.csv -o no.csv", 3, "--seed differs");
+    program_fails(SWEEP " -o no.csv --range 3/3", 2, "--range 3/3");
+    program_fails(SWEEP " -o no.csv --range -1/3", 2, "--range");
+    program_fails(SWEEP " -o no.csv --range 1/3x", 2, "--range 1/3x");
+    assert_int_equal(access("no.csv", F_OK), -1);
+}
+
+/* Of eight processes on one table one writes; the others end with a sentence. */
+static void test_one_process_writes_a_table(void **state) {
+    enum { PROCESSES = 8 };
+    pid_t children[PROCESSES];
+    int well = 0, held = 0;
+    (void)state;
+    for (int i = 0; i < PROCESSES; ++i)
+        children[i] = child_start(SWEEP " -o shared.csv --resume --depth 8", 0);
+    for (int i = 0; i < PROCESSES; ++i) {
+        const int code = child_end(children[i]);
+        if (code != 0 && code != 3) fail_msg("exit code %d: %s", code, said);
+        well += code == 0;
+        held += code == 3;
+    }
+    /* Who comes after the end of another one resumes a table that is complete. */
+    if (well < 1) fail_msg("%d wrote, %d were refused", well, held);
+    FILE *file = fopen("shared.csv", "r");
+    assert_non_null(file);
+    int lines = 0;
+    for (int c; (c = fgetc(file)) != EOF;) lines += c == '\n';
+    fclose(file);
+    assert_int_equal(lines, 9);
+}
+
+static void test_the_holder_is_told(void **state) {
+    char words[64];
+    (void)state;
+    const pid_t child = child_start(
+        "sweep " MCV_SOURCE_DIR "/scenes/beam.gltf --vary emitters/beam/power=1,2 --metric mean "
+        "--time 1000 --device reference -o held.csv",
+        0);
+    for (int i = 0; i < 6000 && access("held.csv", F_OK) != 0 && !child_ended(child); ++i)
+        sleep_for(0.005);
+    sleep_for(0.05);
+    snprintf(words, sizeof words, "is being written by process %d", (int)child);
+    program_fails(SWEEP " -o held.csv", 3, words);
+    program_fails(SWEEP " -o held.csv --force", 3, words);
+    kill(child, SIGTERM);
+    const int code = child_end(child);
+    if (code != 143 && code != -SIGTERM) fail_msg("exit code %d: %s", code, said);
+}
+
+/* No device at all concerns all sets: none has a row, and a later run renders them. */
+static void test_no_device_ends_the_sweep(void **state) {
+    (void)state;
+    program_fails("sweep " MCV_SOURCE_DIR
+                  "/scenes/beam.gltf --vary emitters/beam/power=1..8:8 --metric mean --spp 4 "
+                  "--resolution 8x8 --device 99 -o nowhere.csv",
+                  4, "no set can be rendered");
+    FILE *file = fopen("nowhere.csv", "r");
+    assert_non_null(file);
+    int lines = 0;
+    for (int c; (c = fgetc(file)) != EOF;) lines += c == '\n';
+    fclose(file);
+    assert_int_equal(lines, 1);
+}
+
+/* Rows of sets that failed for want of a device are rendered again, others stay as they are. */
+static void test_failed_sets_are_tried_again(void **state) {
+    (void)state;
+    FILE *in = fopen("whole.csv", "r"), *out = fopen("again.csv", "w");
+    char line[1024];
+    assert_true(in && out);
+    for (int i = 0; fgets(line, sizeof line, in); ++i)
+        if (i == 3 || i == 5)
+            fprintf(out, "%d,%d,,,,,,%s\n", i - 1, i,
+                    i == 3 ? "\"device trouble: it was gone\"" : "\"a reason of its own\"");
+        else
+            fputs(line, out);
+    fclose(in);
+    fclose(out);
+    assert_int_equal(system("cp whole.json again.json"), 0);
+    program_well(SWEEP " -o again.csv --resume");
+    in = fopen("again.csv", "r");
+    int lines = 0, own = 0, trouble = 0;
+    for (; fgets(line, sizeof line, in); ++lines) {
+        own += strstr(line, "a reason of its own") != NULL;
+        trouble += strstr(line, "device trouble") != NULL;
+    }
+    fclose(in);
+    assert_int_equal(lines, 9);
+    assert_int_equal(own, 1);
+    assert_int_equal(trouble, 0);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_parts_make_the_table),
+        cmocka_unit_test(test_what_is_wrong_with_parts_is_told),
+        cmocka_unit_test(test_one_process_writes_a_table),
+        cmocka_unit_test(test_the_holder_is_told),
+        cmocka_unit_test(test_no_device_ends_the_sweep),
+        cmocka_unit_test(test_failed_sets_are_tried_again),
+    };
+    return cmocka_run_group_tests(tests, enter_folder, leave_folder);
+}

@@ -1,0 +1,27 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Scenes and parts, .gltf and .glb, with extensions: loaded and checked; and check --strict. Tables
+ * for a device are not made: those of rough glass take seconds. */
+#include "fuzz.h"
+
+#include "check/findings.h"
+#include "loader/load.h"
+#include "strict/strict.h"
+
+int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
+    const uint64_t memory = 200000000;
+    mcv_scene *scene = NULL;
+    mcv_findings findings = {0};
+    mcv_strict_findings strict;
+    mcv_error error = {""};
+    fuzz_file("in.gltf", data, size);
+    mcv_result result = mcv_strict_check("in.gltf", memory, &strict, &error);
+    fuzz_sentence(result, &error);
+    if (result == MCV_OK) mcv_strict_free(&strict);
+    result =
+        mcv_scene_load_cached("in.gltf", (mcv_overrides){NULL, 0}, memory, NULL, &scene, &error);
+    fuzz_sentence(result, &error);
+    if (result != MCV_OK) return 0;
+    if (mcv_findings_of(scene, &findings, &error) == MCV_OK) mcv_findings_free(&findings);
+    mcv_scene_free(scene);
+    return 0;
+}

@@ -1,0 +1,112 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* OpenEXR files of every compression, of half and float, in lines and in tiles with levels: written
+ * by OpenEXR's C++ library, and read by ours. test_exr_kinds.cpp writes. */
+#include "test.h"
+
+#include "io/exr.h"
+
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+void write_kind(const char *path, int width, int height, const float *rgb, int compression,
+                int is_half, int levels);
+void read_kind(const char *path, int width, int height, float *rgb);
+
+/* More lines than a chunk of DWAB has, which are 256; no side is a multiple of a tile's. */
+enum { WIDTH = 37, HEIGHT = 261, VALUES = 3 * WIDTH * HEIGHT };
+
+static const char *const compressions[] = {"none",  "RLE", "ZIPS", "ZIP",  "PIZ",
+                                           "PXR24", "B44", "B44A", "DWAA", "DWAB"};
+
+/*
+ * The largest error relative to the largest value, 1. Lossless ones keep float, half rounds to 11
+ * bits. PXR24 cuts float to 24 bits, 16 of them of the mantissa. B44 keeps 6 bits of differences in
+ * a block of 4 x 4, whose values differ by less than 0.5 here: 0.5 / 2^6 and half's rounding, twice
+ * for safety. DWA is tuned to the eye at level 45: its coefficients are exact to 45 / 100000 of a
+ * perceptual unit; with 64 of them and a slope of the unit below 3, the error stays below 0.01.
+ */
+static double tolerance(int compression, bool is_half) {
+    if (compression >= 8) return 1e-2;
+    if (is_half && compression >= 6) return 1.6e-2;
+    if (is_half) return 0x1p-12;
+    return compression == 5 ? 0x1p-16 : 0;
+}
+
+static void check(int compression, bool is_half, int levels, const float *rgb) {
+    char path[64];
+    static float by_library[VALUES];
+    mcv_exr exr;
+    mcv_error error = {""};
+    snprintf(path, sizeof path, "%s-%d-%d.exr", compressions[compression], is_half, levels);
+    write_kind(path, WIDTH, HEIGHT, rgb, compression, is_half, levels);
+    read_kind(path, WIDTH, HEIGHT, by_library);
+    if (mcv_exr_read(path, &exr, &error) != MCV_OK) fail_msg("%s", error.text);
+    const mcv_image *image = &exr.parts[0].image;
+    assert_int_equal(image->width, WIDTH);
+    assert_int_equal(image->height, HEIGHT);
+    assert_int_equal(image->channels, 3);
+    for (size_t i = 0; i < VALUES; ++i) {
+        if (memcmp(image->pixels + i, by_library + i, sizeof(float)) != 0)
+            fail_msg("%s: value %zu is %g, but %g to OpenEXR", path, i, (double)image->pixels[i],
+                     (double)by_library[i]);
+        const double wrong = fabs((double)image->pixels[i] - (double)rgb[i]);
+        if (!(wrong <= tolerance(compression, is_half)))
+            fail_msg("%s: value %zu is %g instead of %g", path, i, (double)image->pixels[i],
+                     (double)rgb[i]);
+    }
+    mcv_exr_free(&exr);
+    unlink(path);
+}
+
+static void test_every_kind(void **state) {
+    (void)state;
+    static float rgb[VALUES];
+    for (int k = 0; k < 3; ++k)
+        for (int y = 0; y < HEIGHT; ++y)
+            for (int x = 0; x < WIDTH; ++x)
+                rgb[(k * HEIGHT + y) * WIDTH + x] =
+                    (float)(0.5 + 0.4 * sin(0.1 * x + k) * cos(0.05 * y));
+    for (int compression = 0; compression < 10; ++compression)
+        for (int is_half = 0; is_half < 2; ++is_half)
+            for (int levels = -1; levels < 3; ++levels) check(compression, is_half, levels, rgb);
+}
+
+/* Each byte of a tiled file's head and of its first chunks, changed: no crash, and one sentence. */
+static void test_damaged_tiles(void **state) {
+    (void)state;
+    static float rgb[VALUES];
+    const char *path = "damaged.exr";
+    for (int compression = 1; compression < 10; ++compression) {
+        write_kind(path, 40, 30, rgb, compression, 1, 1);
+        FILE *file = fopen(path, "rb");
+        static uint8_t bytes[1 << 16];
+        const size_t size = fread(bytes, 1, sizeof bytes, file);
+        fclose(file);
+        assert_in_range(size, 500, sizeof bytes - 1);
+        for (size_t at = 0; at < size; at += compression < 4 ? 7 : 3) {
+            const uint8_t kept = bytes[at];
+            bytes[at] ^= (uint8_t)(at % 3 == 0 ? 0x80 : at % 3 == 1 ? 0xff : 0x01);
+            file = fopen(path, "wb");
+            assert_int_equal(fwrite(bytes, 1, size, file), size);
+            fclose(file);
+            bytes[at] = kept;
+            mcv_exr exr;
+            mcv_error error = {""};
+            const mcv_result result = mcv_exr_read(path, &exr, &error);
+            if (result == MCV_OK)
+                mcv_exr_free(&exr);
+            else if (result != MCV_BAD_INPUT || !strstr(error.text, path))
+                fail_msg("%s, byte %zu: %d: %s", compressions[compression], at, result, error.text);
+        }
+    }
+    unlink(path);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_every_kind),
+                                       cmocka_unit_test(test_damaged_tiles)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,255 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * Sensors that move, on the device and in the reference renderer: blur, rolling shutter, lines, TDI
+ * and strobes, by the place and the width of an edge in the picture.
+ */
+#include "reference_checks.h"
+#include "scene_files.h"
+#include "sensor_json.h"
+
+#include "render/render.h"
+#include "scene/motion.h"
+
+enum { SIZE = 48 };
+/* A pixel sees 0.3 mm of the plane. */
+static const double depth = 0.3, seen = 0.3e-3;
+
+/* A camera before a black half plane: its edge lies at x = 0, or at y = 0. */
+static mcv_scene *scene_of(const mcv_sensor *camera, mcv_transform at, bool across) {
+    mcv_scene *scene = mcv_scene_new("motion");
+    add_environment(scene, 1);
+    add_rectangle(scene, 0.4, 0.4, add_absorber(scene),
+                  looking_up_z(across ? 0 : 0.2, across ? 0.2 : 0, -depth));
+    add_sensor(scene, MCV_SENSOR_PINHOLE, camera, at);
+    return scene;
+}
+
+static mcv_sensor camera_with(const char *json) {
+    char text[512];
+    mcv_sensor sensor;
+    mcv_error error;
+    snprintf(text, sizeof text,
+             "{\"imageDistance\":\"20mm\",\"resolution\":[%d,%d],\"pixelSize\":\"20um\"%s}", SIZE,
+             SIZE, json);
+    if (sensor_of(MCV_SENSOR_PINHOLE, text, &sensor, &error) != MCV_OK) fail_msg("%s", error.text);
+    return sensor;
+}
+
+static mcv_image picture_by(bool reference, const mcv_scene *scene) {
+    mcv_image image;
+    mcv_film film;
+    mcv_render_stats stats;
+    if (reference) {
+        mcv_render_options options = options_of(64, 1);
+        options.replicates = 2;
+        film = render_with(scene, &options, false, &stats);
+    } else {
+        mcv_render_options options = mcv_render_defaults();
+        options.replicates = 2;
+        options.last = 128;
+        options.depth = 1;
+        BUILD(mcv_render(scene, 0, &options, &film, &stats, &builder_error));
+    }
+    BUILD(mcv_film_develop(&film, &image, NULL, &builder_error));
+    mcv_film_free(&film);
+    return image;
+}
+
+/* Mean place of the edge in a row (or column), and its variance, in pixels. */
+static void edge_of(const mcv_image *image, bool across, uint32_t line, double *place,
+                    double *variance) {
+    double sum = 0, first = 0, second = 0;
+    for (uint32_t i = 1; i < SIZE; ++i) {
+        const float *p = image->pixels;
+        const double weight = across ? (double)p[i * SIZE + line] - p[(i - 1) * SIZE + line]
+                                     : (double)p[line * SIZE + i] - p[line * SIZE + i - 1];
+        sum += weight, first += weight * i, second += weight * i * i;
+    }
+    *place = first / sum;
+    *variance = second / sum - *place * *place;
+}
+
+/* Over all lines: place of the edge on the first and the last line by a straight fit, and the mean
+ * variance. */
+typedef struct edge {
+    double middle, slope, variance;
+} edge;
+
+static edge measure(bool reference, const mcv_sensor *camera, mcv_transform at, bool across) {
+    mcv_scene *scene = scene_of(camera, at, across);
+    mcv_image image = picture_by(reference, scene);
+    double sum[2] = {0}, variance = 0;
+    for (uint32_t line = 0; line < SIZE; ++line) {
+        double place, spread;
+        edge_of(&image, across, line, &place, &spread);
+        sum[0] += place / SIZE, sum[1] += place * (line - (SIZE - 1) / 2.0),
+            variance += spread / SIZE;
+    }
+    mcv_image_free(&image);
+    mcv_scene_free(scene);
+    return (edge){sum[0], sum[1] / (SIZE * (SIZE * SIZE - 1) / 12.0), variance};
+}
+
+static void expect(const char *what, double value, double truth, double bound) {
+    print_message("  %s: %.4f, must be %.4f\n", what, value, truth);
+    if (!(fabs(value - truth) < bound)) fail_msg("%s: %.4f, not %.4f", what, value, truth);
+}
+
+static const mcv_transform *here(void) {
+    static mcv_transform at;
+    at = looking_down_z(0, 0, 0);
+    return &at;
+}
+
+/* The edge of a camera that moves by 9 pixels while it is exposed is a ramp of that width: a
+ * variance of 81/12, and 1/6 of pixels, which is |sinc(ν v t)| as a transfer function; the middle
+ * lies half of the way back. 48 rows of 256 samples leave 0.02 pixels, and 0.1 of the variance. */
+static void test_blur(void **state) {
+    (void)state;
+    mcv_sensor camera = camera_with(",\"exposureTime\":0.01");
+    camera.motion.velocity[0] = 9 * seen / 0.01;
+    for (int reference = 0; reference < 2; ++reference) {
+        const edge e = measure(reference, &camera, *here(), false);
+        expect("blurred edge, place", e.middle, SIZE / 2.0 - 4.5, 0.05);
+        expect("blurred edge, variance", e.variance, 81 / 12.0 + 1 / 6.0, 0.25);
+    }
+}
+
+/* Rolling shutter: row r is v r t_row behind; without an exposure no row is blurred. A strobe
+ * within all exposures freezes the picture. */
+static void test_rolling(void **state) {
+    (void)state;
+    mcv_sensor camera = camera_with(",\"shutter\":\"rolling\",\"lineTime\":1e-4");
+    camera.motion.velocity[0] = 0.2 * seen / 1e-4;
+    mcv_sensor flash =
+        camera_with(",\"shutter\":\"rolling\",\"lineTime\":1e-4,\"exposureTime\":0.01,"
+                    "\"strobeDelay\":0.006,\"strobeTime\":1e-5");
+    flash.motion = camera.motion;
+    for (int reference = 0; reference < 2; ++reference) {
+        const edge e = measure(reference, &camera, *here(), false),
+                   frozen = measure(reference, &flash, *here(), false);
+        expect("rolling shutter, columns per row", e.slope, -0.2, 2e-3);
+        expect("rolling shutter, middle", e.middle, SIZE / 2.0 - 0.2 * (SIZE - 1) / 2, 0.05);
+        expect("strobe, columns per row", frozen.slope, 0, 2e-3);
+        expect("strobe, middle", frozen.middle, SIZE / 2.0 - 0.2 * 60.05, 0.05);
+        assert_true(e.variance < 0.3 && frozen.variance < 0.3);
+    }
+}
+
+/* A line camera that moves by a pixel per line sees squares as squares: the edge at y = 0 lies in
+ * the line in which the camera stands there. TDI of N stages with a mismatch of δ pixels per line
+ * blurs by N stages δ apart, a variance of (N² - 1) δ²/12, whose transfer function is sin(πNδν)/(N
+ * sin(πδν)). */
+static void test_lines(void **state) {
+    (void)state;
+    const double speed = seen / 1e-4;
+    mcv_sensor line = camera_with(",\"shutter\":\"line\",\"lineTime\":1e-4,\"exposureTime\":0");
+    mcv_sensor tdi = camera_with(",\"shutter\":\"line\",\"lineTime\":1e-4,\"exposureTime\":0,"
+                                 "\"stages\":16");
+    const mcv_transform below = looking_down_z(0, -20 * seen, 0);
+    line.motion.velocity[1] = tdi.motion.velocity[1] = speed;
+    for (int reference = 0; reference < 2; ++reference) {
+        /* Line r looks at -20 + r - (y - 1/2) pixels, y in its row: half of line 20 is dark. */
+        const edge e = measure(reference, &line, below, true);
+        expect("line, place", e.middle, 20.5, 0.05);
+        expect("line, variance", e.variance, 0.25, 0.03);
+        /* The picture moves down by a row per line, as the charges do. */
+        const edge matched = measure(reference, &tdi, below, true);
+        expect("TDI, place", matched.middle, 20.5, 0.05);
+        expect("TDI, variance", matched.variance, 0.25, 0.03);
+        /* Half a pixel too much per line: a third of a line for each stage, and pixels of 2/3. */
+        mcv_sensor off = tdi;
+        off.motion.velocity[1] = 1.5 * speed;
+        const edge mismatched = measure(reference, &off, looking_down_z(0, -30 * seen, 0), true);
+        expect("TDI mismatched, place", mismatched.middle, 20.5, 0.1);
+        expect("TDI mismatched, variance", mismatched.variance,
+               255 / 12.0 / 9 + 4 / 9.0 / 12 + 1 / 12.0, 0.15);
+    }
+}
+
+/* At a flash the picture is that of a camera that stands where the other one is then. */
+static void test_turned(void **state) {
+    (void)state;
+    mcv_sensor camera = camera_with(",\"exposureTime\":1,\"strobeDelay\":0.5,\"strobeTime\":1e-6");
+    mcv_sensor still = camera_with("");
+    const double rate = 0.3, angle = rate * 0.5;
+    camera.motion.rate = rate;
+    camera.motion.axis[2] = 1;
+    camera.motion.centre[0] = 0.01;
+    camera.motion.velocity[1] = 0.004;
+    /* Turned about (0.01, 0), then moved up by 2 mm. */
+    const mcv_transform at =
+        looking((const double[3]){0.01 - 0.01 * cos(angle), -0.01 * sin(angle) + 0.002, 0},
+                (const double[3]){0, 0, -1}, (const double[3]){-sin(angle), cos(angle), 0});
+    const edge truth = measure(false, &still, at, false);
+    for (int reference = 0; reference < 2; ++reference) {
+        const edge e = measure(reference, &camera, *here(), false);
+        expect("turned camera, middle", e.middle, truth.middle, 0.05);
+        expect("turned camera, columns per row", e.slope, truth.slope, 2e-3);
+    }
+    assert_true(fabs(truth.slope) > 0.1);
+}
+
+static void test_refused(void **state) {
+    static const struct {
+        const char *json, *says;
+    } cases[] = {
+        {",\"shutter\":\"rolling\"", "cam/lineTime: is missing"},
+        {",\"lineTime\":1e-3", "cam/lineTime: is of a \"rolling\" or \"line\" shutter"},
+        {",\"stages\":4", "cam/stages: are of a \"line\" shutter"},
+        {",\"shutter\":\"line\",\"lineTime\":1e-4,\"exposureTime\":1e-3", "is less than"},
+        {",\"strobeTime\":1e-3", "cam/strobeTime: needs an exposureTime"},
+        {",\"strobeDelay\":1e-3", "cam/strobeDelay: needs strobeTime"},
+        {",\"exposureTime\":-1", "cam/exposureTime: -1 must lie"},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        char text[512];
+        mcv_sensor sensor;
+        mcv_error error = {""};
+        snprintf(text, sizeof text,
+                 "{\"imageDistance\":\"20mm\",\"resolution\":4,\"pixelSize\":\"20um\"%s}",
+                 cases[i].json);
+        const mcv_result result = sensor_of(MCV_SENSOR_PINHOLE, text, &sensor, &error);
+        if (result != MCV_BAD_INPUT || !strstr(error.text, cases[i].says))
+            fail_msg("%s gave %d, \"%s\"; must say \"%s\"", cases[i].json, result, error.text,
+                     cases[i].says);
+    }
+}
+
+#define RIG(motion, sensor) \
+    "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0,1]}]," \
+    "\"extensionsUsed\":[\"MCVISI_sensors\",\"MCVISI_motion\"]," \
+    "\"extensions\":{\"MCVISI_sensors\":{\"sensors\":[{\"type\":\"pinhole\"," \
+    "\"imageDistance\":1,\"resolution\":4,\"pixelSize\":1e-5,\"exposureTime\":0.1}]}}," \
+    "\"nodes\":[{\"extensions\":{" sensor "\"MCVISI_motion\":" motion "}},{\"extensions\":{" \
+    "\"MCVISI_sensors\":{\"sensor\":0}}}]}"
+#define HERE "\"MCVISI_sensors\":{\"sensor\":0},"
+
+static void test_files(void **state) {
+    mcv_scene *scene;
+    mcv_error error;
+    (void)state;
+    if (load_text("motion.gltf", RIG("{\"velocity\":[1,2,3],\"axis\":[0,3,4],\"rate\":2}", HERE),
+                  NULL, &scene, &error) != MCV_OK)
+        fail_msg("%s", error.text);
+    const mcv_sensor_motion *m = &scene->sensors[0].motion;
+    assert_true(m->velocity[0] == 1 && m->velocity[2] == 3 && m->rate == 2);
+    assert_true(fabs(m->axis[1] - 0.6) < 1e-15 && fabs(m->axis[2] - 0.8) < 1e-15);
+    assert_true(mcv_sensor_needs_time(&scene->sensors[0]));
+    assert_false(mcv_sensor_needs_time(&scene->sensors[1]));
+    mcv_scene_free(scene);
+    must_refuse("a.gltf", RIG("{\"rate\":2}", HERE), "MCVISI_motion/axis: is missing");
+    must_refuse("b.gltf", RIG("{\"speed\":2}", HERE), "unknown key \"speed\"");
+    must_refuse("c.gltf", RIG("{\"velocity\":[1,2]}", HERE), "velocity");
+    must_refuse("d.gltf", RIG("{\"velocity\":[1,2,3]}", ""), "is on a node without a sensor");
+    must_refuse("e.gltf", RIG("3", HERE), "MCVISI_motion: must be an object");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_blur),   cmocka_unit_test(test_rolling), cmocka_unit_test(test_lines),
+        cmocka_unit_test(test_turned), cmocka_unit_test(test_refused), cmocka_unit_test(test_files),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

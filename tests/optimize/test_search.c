@@ -1,0 +1,426 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The search for the smallest value, with functions whose minima are known. */
+#include "test.h"
+
+#include <math.h>
+#include <nlopt.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "analysis/noise.h"
+#include "optimize/search.h"
+
+/* --- functions --- */
+
+/* Branin: 0.397887 at three places of [-5, 10] x [0, 15]. */
+static double branin(const double *x) {
+    const double t = x[1] - 5.1 / (4 * M_PI * M_PI) * x[0] * x[0] + 5 / M_PI * x[0] - 6;
+    return t * t + 10 * (1 - 1 / (8 * M_PI)) * cos(x[0]) + 10;
+}
+static const double branin_least = 0.39788735772973816;
+static const mcv_levels branin_box[] = {{.from = -5, .to = 10}, {.from = 0, .to = 15}};
+
+/* Hartmann's in six dimensions: -3.32237 in the unit cube. */
+static double hartmann(const double *x) {
+    static const double alpha[4] = {1, 1.2, 3, 3.2},
+                        a[4][6] = {{10, 3, 17, 3.5, 1.7, 8},
+                                   {0.05, 10, 17, 0.1, 8, 14},
+                                   {3, 3.5, 1.7, 10, 17, 8},
+                                   {17, 8, 0.05, 10, 0.1, 14}},
+                        p[4][6] = {{0.1312, 0.1696, 0.5569, 0.0124, 0.8283, 0.5886},
+                                   {0.2329, 0.4135, 0.8307, 0.3736, 0.1004, 0.9991},
+                                   {0.2348, 0.1451, 0.3522, 0.2883, 0.3047, 0.6650},
+                                   {0.4047, 0.8828, 0.8732, 0.5743, 0.1091, 0.0381}};
+    double sum = 0;
+    for (int i = 0; i < 4; ++i) {
+        double exponent = 0;
+        for (int k = 0; k < 6; ++k) exponent += a[i][k] * (x[k] - p[i][k]) * (x[k] - p[i][k]);
+        sum -= alpha[i] * exp(-exponent);
+    }
+    return sum;
+}
+static const double hartmann_least = -3.3223680114155147;
+static const mcv_levels cube[] = {{.to = 1}, {.to = 1}, {.to = 1}, {.to = 1}, {.to = 1}, {.to = 1}};
+
+/* --- a search --- */
+
+typedef struct noisy {
+    double (*of)(const double *);
+    double noise;
+    uint32_t run;
+    size_t calls, stop_after; /* 0: never */
+    bool fails;               /* where the first parameter is above 5 */
+} noisy;
+
+/* The noise of a seed is the same at all points: differences with one seed are free of it. */
+static mcv_result evaluate(void *user, mcv_evaluation *e, mcv_error *error) {
+    noisy *n = user;
+    mcv_noise noise = mcv_noise_begin(n->run, 31, e->seed);
+    if (n->stop_after && n->calls >= n->stop_after)
+        return mcv_fail(error, MCV_INTERRUPTED, "stopped");
+    ++n->calls;
+    e->results[0] = n->of(e->values) + n->noise * mcv_noise_normal(&noise);
+    e->errors[0] = n->noise;
+    if (n->fails && e->values[0] > 5) e->results[0] = e->errors[0] = NAN;
+    return MCV_OK;
+}
+
+static mcv_search search_of(noisy *n, const mcv_levels *levels, size_t dimensions, size_t budget) {
+    return (mcv_search){.dimensions = dimensions,
+                        .objectives = 1,
+                        .levels = levels,
+                        .budget = budget,
+                        .seed = n->run,
+                        .evaluate = evaluate,
+                        .user = n};
+}
+
+static void search_well(const mcv_search *search, mcv_search_result *result) {
+    mcv_error error = {""};
+    if (mcv_search_run(search, result, &error) != MCV_OK) fail_msg("%s", error.text);
+    assert_true(result->count <= search->budget);
+}
+
+/* --- the process --- */
+
+/* Without noise it passes through its values, far from all it has the whole deviation; with noise
+ * of one value it takes a weighted mean. */
+static void test_the_process(void **state) {
+    mcv_surrogate s;
+    mcv_error error;
+    double mean[3], deviation[3];
+    (void)state;
+    mcv_surrogate_begin(&s, 1);
+    for (int i = 0; i <= 10; ++i) {
+        const double x = i / 10.0;
+        assert_int_equal(mcv_surrogate_add(&s, &x, sin(6 * x), 0, &error), MCV_OK);
+    }
+    assert_int_equal(mcv_surrogate_fit(&s, true, &error), MCV_OK);
+    const double at[3] = {0.3, 0.35, 0.72};
+    assert_int_equal(mcv_surrogate_predict(&s, at, 3, mean, deviation, &error), MCV_OK);
+    for (int i = 0; i < 3; ++i)
+        if (!(fabs(mean[i] - sin(6 * at[i])) < 0.01) || !(deviation[i] < 0.03))
+            fail_msg("at %g: %g ± %g, not %g", at[i], mean[i], deviation[i], sin(6 * at[i]));
+    assert_true(fabs(mean[0] - sin(1.8)) < 1e-4 && deviation[0] < 1e-3);
+    mcv_surrogate_free(&s);
+    /* Two values of one point, of variances v and 4v beside a constant: weights 4 and 1, shrunk
+     * towards the constant by little, as the process's own variance is much larger. */
+    mcv_surrogate_begin(&s, 1);
+    const double x = 0.5, far = 1e3;
+    mcv_surrogate_add(&s, &x, 1.0, 1e-4, &error);
+    mcv_surrogate_add(&s, &x, 2.0, 4e-4, &error);
+    mcv_surrogate_add(&s, &far, -3.0, 1e-4, &error);
+    assert_int_equal(mcv_surrogate_fit(&s, false, &error), MCV_OK);
+    assert_int_equal(mcv_surrogate_predict(&s, &x, 1, mean, deviation, &error), MCV_OK);
+    assert_true(fabs(mean[0] - 1.2) < 1e-3);
+    assert_true(fabs(deviation[0] - sqrt(0.8e-4)) < 1e-4);
+    mcv_surrogate_free(&s);
+}
+
+/* Draws have the means, deviations and correlations that predict and the covariance say: of 4000,
+ * to four standard deviations. */
+static void test_draws(void **state) {
+    enum { DRAWS = 4000 };
+    mcv_surrogate s;
+    mcv_error error;
+    double at[2] = {0.2, 0.8}, mean[2], deviation[2], sums[2] = {0}, squares[2] = {0};
+    double *draws = malloc(2 * DRAWS * sizeof *draws);
+    mcv_noise noise = mcv_noise_begin(3, 4, 5);
+    (void)state;
+    mcv_surrogate_begin(&s, 1);
+    for (int i = 0; i < 4; ++i) {
+        const double x = i / 3.0;
+        mcv_surrogate_add(&s, &x, x * x, 0.01, &error);
+    }
+    assert_int_equal(mcv_surrogate_fit(&s, false, &error), MCV_OK);
+    assert_int_equal(mcv_surrogate_predict(&s, at, 2, mean, deviation, &error), MCV_OK);
+    for (int i = 0; i < 2 * DRAWS; ++i) draws[i] = mcv_noise_normal(&noise);
+    assert_int_equal(mcv_surrogate_draw(&s, at, 2, DRAWS, draws, &error), MCV_OK);
+    for (int i = 0; i < DRAWS; ++i)
+        for (int k = 0; k < 2; ++k) {
+            sums[k] += draws[2 * i + k] / DRAWS;
+            squares[k] += (draws[2 * i + k] - mean[k]) * (draws[2 * i + k] - mean[k]) / DRAWS;
+        }
+    for (int k = 0; k < 2; ++k) {
+        assert_true(fabs(sums[k] - mean[k]) < 4 * deviation[k] / sqrt(DRAWS));
+        assert_true(fabs(sqrt(squares[k]) / deviation[k] - 1) < 4 / sqrt(2.0 * DRAWS));
+    }
+    free(draws);
+    mcv_surrogate_free(&s);
+}
+
+/* --- minima --- */
+
+static void test_branin(void **state) {
+    (void)state;
+    for (uint32_t run = 0; run < 5; ++run) {
+        noisy n = {.of = branin, .run = run};
+        mcv_search search = search_of(&n, branin_box, 2, 80);
+        mcv_search_result r;
+        search.better[0] = 0.01;
+        search_well(&search, &r);
+        print_message("branin %u: %.6f of %zu; %s\n", run, branin(r.winner.point.values), r.count,
+                      r.ended);
+        assert_true(branin(r.winner.point.values) < branin_least + 0.01);
+        assert_true(r.near[0][0] <= r.winner.point.values[0] &&
+                    r.near[0][1] >= r.winner.point.values[0]);
+        mcv_search_free(&r);
+    }
+}
+
+typedef struct tally {
+    size_t held, all;
+    double regret;
+    size_t evaluations;
+} tally;
+
+/* The printed interval is one of the winner's own value, of evaluations that have chosen nothing;
+ * the smallest value of the search is too good. */
+static tally run_noisy(double (*of)(const double *), double least, const mcv_levels *levels,
+                       size_t dimensions, double noise, size_t budget, uint32_t runs) {
+    tally t = {0};
+    double curse = 0;
+    for (uint32_t run = 0; run < runs; ++run) {
+        noisy n = {.of = of, .noise = noise, .run = 100 + run};
+        mcv_search search = search_of(&n, levels, dimensions, budget);
+        mcv_search_result r;
+        search.better[0] = noise / 2;
+        search_well(&search, &r);
+        const double truth = of(r.winner.point.values);
+        t.held += r.low <= truth && truth <= r.high;
+        t.regret += (truth - least) / runs;
+        t.evaluations += r.count;
+        curse += (r.points[0].in_search - truth) / runs;
+        ++t.all;
+        mcv_search_free(&r);
+    }
+    print_message("%zu of %zu intervals hold the truth; regret %.4f, %.1f evaluations, in search "
+                  "%.4f too good\n",
+                  t.held, t.all, t.regret, (double)t.evaluations / runs, -curse);
+    assert_true(curse < 0);
+    return t;
+}
+
+#ifndef RUNS
+#define RUNS 40
+#endif
+
+static void test_noisy_branin(void **state) {
+    (void)state;
+    const tally t = run_noisy(branin, branin_least, branin_box, 2, 1.0, 60, RUNS);
+    const double share = (double)t.held / (double)t.all;
+    /* Three standard deviations of a share of 95 %. */
+    assert_true(fabs(share - 0.95) <= 3 * sqrt(0.95 * 0.05 / RUNS));
+    assert_true(t.regret < 0.5);
+}
+
+/* --- against BOBYQA alone --- */
+
+typedef struct multistart {
+    noisy *n;
+    nlopt_opt search;
+    size_t calls, most;
+    double least, regret, wanted; /* least: what was seen */
+} multistart;
+
+static double evaluate_one(unsigned count, const double *x, double *slopes, void *user) {
+    multistart *m = user;
+    mcv_noise noise = mcv_noise_begin(m->n->run, 32, ++m->calls);
+    const double truth = m->n->of(x), seen = truth + m->n->noise * mcv_noise_normal(&noise);
+    (void)count;
+    (void)slopes;
+    if (seen < m->least) {
+        m->least = seen;
+        m->regret = truth - hartmann_least;
+    }
+    if (m->calls >= m->most || m->regret <= m->wanted) nlopt_force_stop(m->search);
+    return seen;
+}
+
+/* Evaluations until the best value that was seen is truly as good as wanted. */
+static size_t count_multistart(uint32_t run, double noise, double wanted, size_t most) {
+    noisy n = {.of = hartmann, .noise = noise, .run = run};
+    multistart m = {.n = &n, .most = most, .least = INFINITY, .regret = INFINITY, .wanted = wanted};
+    mcv_noise starts = mcv_noise_begin(run, 33, 0);
+    while (m.calls < most && m.regret > wanted) {
+        double x[6], least;
+        for (int i = 0; i < 6; ++i) x[i] = mcv_noise_uniform(&starts);
+        m.search = nlopt_create(NLOPT_LN_BOBYQA, 6);
+        assert_non_null(m.search);
+        nlopt_set_lower_bounds1(m.search, 0);
+        nlopt_set_upper_bounds1(m.search, 1);
+        nlopt_set_min_objective(m.search, evaluate_one, &m);
+        nlopt_set_initial_step1(m.search, 0.2);
+        nlopt_set_xtol_abs1(m.search, 1e-3);
+        nlopt_set_ftol_abs(m.search, fmax(1e-4, 2 * M_SQRT2 * noise));
+        nlopt_optimize(m.search, x, &least);
+        nlopt_destroy(m.search);
+    }
+    return m.calls;
+}
+
+/* A third of BOBYQA's evaluations, to the same error on average. */
+static void test_noisy_hartmann(void **state) {
+    enum { STARTS = 20, MOST = 3000 };
+    const double noise = 0.1;
+    size_t calls = 0;
+    (void)state;
+    const tally t = run_noisy(hartmann, hartmann_least, cube, 6, noise, 120, RUNS / 5);
+    for (uint32_t i = 0; i < STARTS; ++i) calls += count_multistart(i, noise, t.regret, MOST);
+    print_message("BOBYQA with many starts: %.0f evaluations, at most %d each\n",
+                  (double)calls / STARTS, MOST);
+    assert_true(t.regret < 0.15);
+    assert_true((double)t.evaluations / (double)t.all <= (double)calls / STARTS / 3);
+    if (RUNS >= 200)
+        assert_true(fabs((double)t.held / (double)t.all - 0.95) <=
+                    3 * sqrt(0.95 * 0.05 / (RUNS / 5.0)));
+}
+
+/* --- constraints, lists, failures --- */
+
+/* Below the line x + y = 8 Branin's only minimum of three is that at (3.14, 2.28). */
+static bool below_line(void *user, const double *x) {
+    (void)user;
+    return x[0] + x[1] < 8 && x[0] > 0;
+}
+
+static void test_constraints(void **state) {
+    noisy n = {.of = branin, .run = 3};
+    mcv_search search = search_of(&n, branin_box, 2, 60);
+    mcv_search_result r;
+    (void)state;
+    search.allowed = below_line;
+    search.better[0] = 0.01;
+    search_well(&search, &r);
+    for (size_t i = 0; i < r.count; ++i) assert_true(below_line(NULL, r.all[i].values));
+    assert_true(fabs(r.winner.point.values[0] - M_PI) < 0.1);
+    assert_true(branin(r.winner.point.values) < branin_least + 0.02);
+    mcv_search_free(&r);
+}
+
+static bool nowhere(void *user, const double *x) {
+    (void)user;
+    (void)x;
+    return false;
+}
+
+static void test_impossible_constraints(void **state) {
+    noisy n = {.of = branin};
+    mcv_search search = search_of(&n, branin_box, 2, 60);
+    mcv_search_result r;
+    mcv_error error = {""};
+    (void)state;
+    search.allowed = nowhere;
+    assert_int_equal(mcv_search_run(&search, &r, &error), MCV_BAD_INPUT);
+    assert_non_null(strstr(error.text, "constraints allow none"));
+    assert_int_equal(n.calls, 0);
+    mcv_search_free(&r);
+}
+
+/* One parameter has five values; the best of all 5 is known by trying. */
+static void test_lists(void **state) {
+    static double list[] = {9, -2.5, 2.8, 0, 5};
+    const mcv_levels levels[] = {{.list = list, .count = 5}, {.from = 0, .to = 15}};
+    noisy n = {.of = branin, .run = 8};
+    mcv_search search = search_of(&n, levels, 2, 60);
+    mcv_search_result r;
+    double least = INFINITY;
+    (void)state;
+    search.better[0] = 0.01;
+    search_well(&search, &r);
+    for (size_t i = 0; i < r.count; ++i) {
+        bool member = false;
+        for (size_t k = 0; k < 5; ++k) member = member || r.all[i].values[0] == list[k];
+        assert_true(member);
+    }
+    for (size_t k = 0; k < 5; ++k)
+        for (double y = 0; y <= 15; y += 0.001) {
+            const double x[2] = {list[k], y};
+            least = fmin(least, branin(x));
+        }
+    if (!(branin(r.winner.point.values) < least + 0.02))
+        fail_msg("%g at %g, %g, not %g", branin(r.winner.point.values), r.winner.point.values[0],
+                 r.winner.point.values[1], least);
+    mcv_search_free(&r);
+}
+
+/* A third of the box fails, with one of the minima. */
+static void test_failures(void **state) {
+    noisy n = {.of = branin, .run = 5, .fails = true};
+    mcv_search search = search_of(&n, branin_box, 2, 70);
+    mcv_search_result r;
+    (void)state;
+    search.better[0] = 0.01;
+    search_well(&search, &r);
+    assert_true(r.failed > 0 && r.failed < r.count / 2);
+    assert_true(branin(r.winner.point.values) < branin_least + 0.02);
+    mcv_search_free(&r);
+}
+
+/* What has been done is there; the same search comes by the same points. */
+static void test_interrupted(void **state) {
+    noisy n = {.of = branin, .noise = 0.5, .run = 6, .stop_after = 20};
+    mcv_search search = search_of(&n, branin_box, 2, 60);
+    mcv_search_result first, second;
+    mcv_error error = {""};
+    (void)state;
+    assert_int_equal(mcv_search_run(&search, &first, &error), MCV_INTERRUPTED);
+    assert_int_equal(first.count, 20);
+    n.stop_after = 0;
+    search_well(&search, &second);
+    for (size_t i = 0; i < 20; ++i)
+        assert_memory_equal(first.all[i].values, second.all[i].values, 2 * sizeof(double));
+    mcv_search_free(&first);
+    mcv_search_free(&second);
+}
+
+/* --- two objectives --- */
+
+/* Schaffer's: x² and (x - 2)², whose front is 0 <= x <= 2, √f + √g = 2. */
+static mcv_result evaluate_two(void *user, mcv_evaluation *e, mcv_error *error) {
+    const double x = e->values[0];
+    mcv_noise noise = mcv_noise_begin(9, 34, e->seed);
+    (void)user;
+    (void)error;
+    e->results[0] = x * x + 0.02 * mcv_noise_normal(&noise);
+    e->results[1] = (x - 2) * (x - 2) + 0.02 * mcv_noise_normal(&noise);
+    e->errors[0] = e->errors[1] = 0.02;
+    return MCV_OK;
+}
+
+static void test_front(void **state) {
+    static const mcv_levels levels[] = {{.from = -10, .to = 10}};
+    const mcv_search search = {
+        .dimensions = 1, .objectives = 2, .levels = levels, .budget = 70, .evaluate = evaluate_two};
+    mcv_search_result r;
+    double least = INFINITY, largest = -INFINITY;
+    (void)state;
+    search_well(&search, &r);
+    assert_true(r.point_count >= 4);
+    for (size_t i = 0; i < r.point_count; ++i) {
+        const mcv_confirmed *c = r.points + i;
+        const double x = c->point.values[0];
+        least = fmin(least, x);
+        largest = fmax(largest, x);
+        /* Beyond the front by what 0.02 of noise hides: √0.02 = 0.14. */
+        if (!(x > -0.2 && x < 2.2)) fail_msg("%g is not on the front", x);
+        assert_true(fabs(c->point.results[0] - x * x) < 5 * 0.02 / sqrt((double)c->count));
+    }
+    assert_true(least < 0.3 && largest > 1.7);
+    mcv_search_free(&r);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_the_process),
+                                       cmocka_unit_test(test_draws),
+                                       cmocka_unit_test(test_branin),
+                                       cmocka_unit_test(test_noisy_branin),
+                                       cmocka_unit_test(test_noisy_hartmann),
+                                       cmocka_unit_test(test_constraints),
+                                       cmocka_unit_test(test_impossible_constraints),
+                                       cmocka_unit_test(test_lists),
+                                       cmocka_unit_test(test_failures),
+                                       cmocka_unit_test(test_interrupted),
+                                       cmocka_unit_test(test_front)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

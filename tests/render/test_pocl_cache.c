@@ -1,0 +1,95 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* A damaged file in PoCL's cache of kernels, on which PoCL would end the process, is compiled
+ * again. Skipped with another driver. */
+#include "test.h"
+
+#include "program.h"
+
+#include <ftw.h>
+
+static char files[16][512];
+static int file_count;
+
+static int collect(const char *path, const struct stat *status, int type, struct FTW *ftw) {
+    (void)status;
+    (void)ftw;
+    const char *dot = strrchr(path, '.');
+    if (type == FTW_F && dot && (strcmp(dot, ".so") == 0 || strcmp(dot, ".bc") == 0) &&
+        file_count < 16)
+        snprintf(files[file_count++], sizeof files[0], "%s", path);
+    return 0;
+}
+
+static const char *const render = "render beam.gltf --resolution 4x4 --spp 1 -o out.exr";
+
+static void damage(const char *path, int how) {
+    struct stat status;
+    assert_int_equal(stat(path, &status), 0);
+    if (how < 2) {
+        assert_int_equal(truncate(path, how ? status.st_size / 2 : 0), 0);
+        return;
+    }
+    char *zeros = calloc(1, (size_t)status.st_size); /* what some file systems leave */
+    FILE *file = fopen(path, "r+b");
+    assert_int_equal(fwrite(zeros, 1, (size_t)status.st_size, file), status.st_size);
+    fclose(file);
+    free(zeros);
+}
+
+static void test_damaged(void **state) {
+    (void)state;
+    char line[1024];
+    snprintf(line, sizeof line, "cp %s/scenes/beam.gltf .", MCV_SOURCE_DIR);
+    assert_int_equal(system(line), 0);
+    assert_int_equal(mkdir("cache", 0700), 0);
+    setenv("POCL_CACHE_DIR", "cache", 1);
+    program_well(render);
+    nftw("cache", collect, 16, FTW_PHYS);
+    if (file_count == 0) skip(); /* no PoCL, or a PoCL without such files */
+    assert_true(file_count >= 3);
+    assert_int_equal(system("cp out.exr whole.exr"), 0);
+    for (int i = 0; i < file_count; ++i)
+        for (int how = 0; how < 3; ++how) {
+            damage(files[i], how);
+            const int code = program(render);
+            if (code != 0)
+                fail_msg("%s damaged in way %d: exit code %d: %s", files[i], how, code, said);
+            struct stat status;
+            if (stat(files[i], &status) != 0 || status.st_size == 0)
+                fail_msg("%s was not compiled again", files[i]);
+        }
+    program_fails("compare out.exr whole.exr", 0, "");
+}
+
+/* A file that another process is about to write is left to it: PoCL names it so until it is whole.
+ */
+static void test_files_of_others(void **state) {
+    (void)state;
+    char line[1024];
+    snprintf(line, sizeof line, "cp %s/scenes/beam.gltf .", MCV_SOURCE_DIR);
+    assert_int_equal(system(line), 0);
+    assert_int_equal(mkdir("cache", 0700), 0);
+    setenv("POCL_CACHE_DIR", "cache", 1);
+    assert_int_equal(system("echo half > cache/tempfile_a1b2c3.so"), 0);
+    assert_int_equal(system("echo half > cache/other.so"), 0);
+    program_well(render);
+    assert_int_equal(access("cache/tempfile_a1b2c3.so", F_OK), 0);
+    nftw("cache", collect, 16, FTW_PHYS);
+    if (file_count > 0) assert_int_not_equal(access("cache/other.so", F_OK), 0);
+}
+
+static void test_empty(void **state) {
+    (void)state;
+    setenv("POCL_CACHE_DIR", "", 1);
+    program_fails("devices", 4, "POCL_CACHE_DIR is set and empty");
+    program_fails("render beam.gltf", 3, "beam.gltf");
+    unsetenv("POCL_CACHE_DIR");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test_setup_teardown(test_damaged, enter_folder, leave_folder),
+        cmocka_unit_test_setup_teardown(test_files_of_others, enter_folder, leave_folder),
+        cmocka_unit_test_setup_teardown(test_empty, enter_folder, leave_folder)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,238 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Memory of a scene is told before it is taken, counted once for each file, and bounded. */
+#include "test.h"
+
+#include "scene_files.h"
+
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+#define HEAD "{\"asset\":{\"version\":\"2.0\"},"
+
+static mcv_result load_within(const char *path, uint64_t memory, mcv_scene **scene,
+                              mcv_error *error) {
+    error->text[0] = '\0';
+    return mcv_scene_load_cached(path, (mcv_overrides){NULL, 0}, memory, NULL, scene, error);
+}
+
+/* Loads in a child, whose peak of resident memory is its own; 0 where it loads and takes less than
+ * `most` bytes more. */
+static int load_in_child(const char *path, double most) {
+    const pid_t child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        struct rusage before, after;
+        mcv_scene *scene;
+        mcv_error error;
+        getrusage(RUSAGE_SELF, &before);
+        if (load_within(path, 0, &scene, &error) != MCV_OK) {
+            fprintf(stderr, "%s\n", error.text);
+            _exit(1);
+        }
+        getrusage(RUSAGE_SELF, &after);
+        _exit(1024.0 * (double)(after.ru_maxrss - before.ru_maxrss) < most ? 0 : 2);
+    }
+    int status;
+    assert_int_equal(waitpid(child, &status, 0), child);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 100;
+}
+
+/* A limit refuses with the sentence and its name, and within a second. */
+static void refuse_within(const char *path, uint64_t memory, const char *says) {
+    mcv_scene *scene;
+    mcv_error error;
+    struct timespec begin, end;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &begin);
+    assert_int_equal(load_within(path, memory, &scene, &error), MCV_BAD_INPUT);
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &end);
+    if (!strstr(error.text, says) || !strstr(error.text, "raise it by --memory"))
+        fail_msg("\"%s\" must say \"%s\"", error.text, says);
+    assert_true((double)(end.tv_sec - begin.tv_sec) + 1e-9 * (double)(end.tv_nsec - begin.tv_nsec) <
+                1);
+}
+
+#define TRIANGLE \
+    "\"bufferViews\":[{\"buffer\":0,\"byteOffset\":%llu,\"byteLength\":36}],\"accessors\":[{" \
+    "\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"}]," \
+    "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}],"
+
+/* A file of 2 GB, of which an accessor needs 36 bytes: at its begin, and at its end. */
+static void test_sparse_buffer(void **state) {
+    (void)state;
+    static const float corners[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+    const unsigned long long size = 2000000000;
+    for (int at_end = 0; at_end < 2; ++at_end) {
+        const unsigned long long offset = at_end ? size - 36 : 0;
+        char *bin = write_bytes("limits.bin", corners, sizeof corners);
+        FILE *file = fopen(bin, "r+b");
+        assert_int_equal(fseeko(file, (off_t)offset, SEEK_SET), 0);
+        assert_int_equal(fwrite(corners, 1, sizeof corners, file), sizeof corners);
+        fclose(file);
+        assert_int_equal(truncate(bin, (off_t)size), 0);
+        char *text = text_of(HEAD TRIANGLE "\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}],"
+                                           "\"buffers\":[{\"uri\":\"limits.bin\",\"byteLength\":"
+                                           "%llu}]}",
+                             offset, size);
+        char *path = write_bytes("limits.gltf", text, strlen(text));
+        assert_int_equal(load_in_child(path, 20e6), 0);
+        mcv_scene *scene;
+        mcv_error error;
+        if (load_within(path, 1000000, &scene, &error) != MCV_OK) fail_msg("%s", error.text);
+        assert_memory_equal(scene->meshes[0].positions, corners, sizeof corners);
+        mcv_scene_free(scene);
+        unlink(bin);
+        free(bin);
+        free(text);
+        free(path);
+    }
+}
+
+static uint32_t crc_of(const uint8_t *bytes, size_t size) {
+    uint32_t crc = ~0u;
+    for (size_t i = 0; i < size; ++i) {
+        crc ^= bytes[i];
+        for (int k = 0; k < 8; ++k) crc = crc >> 1 ^ (crc & 1 ? 0xedb88320u : 0);
+    }
+    return ~crc;
+}
+
+static void put(uint8_t *p, uint32_t value) {
+    for (int i = 0; i < 4; ++i) p[i] = (uint8_t)(value >> (24 - 8 * i));
+}
+
+static size_t add_chunk(uint8_t *png, size_t at, const char *type, const uint8_t *data,
+                        uint32_t size) {
+    put(png + at, size);
+    memcpy(png + at + 4, type, 4);
+    memcpy(png + at + 8, data, size);
+    put(png + at + 8 + size, crc_of(png + at + 4, size + 4));
+    return at + 12 + size;
+}
+
+/* A black PNG of one bit per pixel: stored deflate blocks of at most 65535 bytes. */
+static char *write_black(const char *name, uint32_t side) {
+    const size_t row = 1 + (side + 7) / 8, raw = row * side;
+    uint8_t *png = calloc(1, raw + raw / 65535 * 5 + 200),
+            *data = calloc(1, raw + raw / 65535 * 5 + 20);
+    static const uint8_t signature[8] = {0x89, 'P', 'N', 'G', '\r', '\n', 0x1a, '\n'};
+    uint8_t head[13] = {0};
+    put(head, side);
+    put(head + 4, side);
+    head[8] = 1;
+    memcpy(png, signature, 8);
+    size_t at = add_chunk(png, 8, "IHDR", head, 13), size = 2;
+    data[0] = 0x78;
+    data[1] = 0x01;
+    for (size_t left = raw; left;) {
+        const size_t block = left < 65535 ? left : 65535;
+        left -= block;
+        data[size] = left == 0;
+        data[size + 1] = (uint8_t)(block & 0xff);
+        data[size + 2] = (uint8_t)(block >> 8);
+        data[size + 3] = (uint8_t)~data[size + 1];
+        data[size + 4] = (uint8_t)~data[size + 2];
+        size += 5 + block;
+    }
+    put(data + size, (uint32_t)(raw % 65521) << 16 | 1); /* Adler-32 of zeros */
+    at = add_chunk(png, at, "IDAT", data, (uint32_t)size + 4);
+    at = add_chunk(png, at, "IEND", head, 0);
+    char *path = write_bytes(name, png, at);
+    free(png);
+    free(data);
+    return path;
+}
+
+/* Twelve images of one file are one picture: eight bytes of each pixel, once. */
+static void test_images_of_one_file(void **state) {
+    (void)state;
+    enum { SIDE = 2000, COUNT = 12 };
+    char *png = write_black("limits.png", SIDE), *images = strdup(""), *textures = strdup(""),
+         *materials = strdup("");
+    for (int i = 0; i < COUNT; ++i) {
+        const char *comma = i ? "," : "";
+        char *parts[] = {images, textures, materials};
+        images = text_of("%s%s{\"uri\":\"%slimits.png\"}", parts[0], comma, i % 2 ? "./" : "");
+        textures = text_of("%s%s{\"source\":%d,\"sampler\":%d}", parts[1], comma, i, i % 2);
+        materials = text_of("%s%s{\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":%d}}}",
+                            parts[2], comma, i);
+        for (int k = 0; k < 3; ++k) free(parts[k]);
+    }
+    char *text = text_of(HEAD "\"samplers\":[{\"wrapS\":33071},{\"wrapS\":33648}],\"images\":[%s],"
+                              "\"textures\":[%s],\"materials\":[%s]}",
+                         images, textures, materials);
+    char *path = write_bytes("limits_images.gltf", text, strlen(text));
+    mcv_scene *scene;
+    mcv_error error;
+    if (load_within(path, 0, &scene, &error) != MCV_OK) fail_msg("%s", error.text);
+    assert_int_equal(scene->memory.images, 8 * SIDE * SIDE);
+    assert_int_equal(scene->texture_count, COUNT);
+    for (uint32_t i = 0; i < COUNT; ++i) {
+        assert_ptr_equal(scene->textures[i].rgba, scene->textures[0].rgba);
+        assert_int_equal(scene->textures[i].wrap_s, i % 2 ? 33648 : 33071);
+    }
+    mcv_scene_free(scene);
+    /* Decoded, copied, and the decoder's own: 12 bytes of each pixel, and its file twice. */
+    assert_int_equal(load_in_child(path, 14.0 * SIDE * SIDE), 0);
+    refuse_within(path, 8 * SIDE * SIDE, "images/0: with it the scene takes 32.");
+    unlink(png);
+    free(png);
+    free(images);
+    free(textures);
+    free(materials);
+    free(text);
+    free(path);
+}
+
+/* A mesh that many nodes place counts for each; vertices without bytes in a file count too. */
+static void test_geometry(void **state) {
+    (void)state;
+    enum { NODES = 1000, VERTICES = 300000 };
+    char *nodes = strdup("{\"mesh\":0}"), *list = strdup("0");
+    for (int i = 1; i < NODES; ++i) {
+        char *old[] = {nodes, list};
+        nodes = text_of("%s,{\"mesh\":0}", old[0]);
+        list = text_of("%s,%d", old[1], i);
+        free(old[0]);
+        free(old[1]);
+    }
+    char *text = text_of(HEAD "\"accessors\":[{\"componentType\":5126,\"count\":%d,\"type\":"
+                              "\"VEC3\"}],\"meshes\":[{\"primitives\":[{\"attributes\":{"
+                              "\"POSITION\":0}}]}],\"scenes\":[{\"nodes\":[%s]}],\"nodes\":[%s]}",
+                         VERTICES, list, nodes);
+    char *path = write_bytes("limits_nodes.gltf", text, strlen(text));
+    refuse_within(path, 1000000, "meshes/0: with it the scene takes");
+    refuse_within(path, 1000000000, "nodes/");
+    free(nodes);
+    free(list);
+    free(text);
+    free(path);
+}
+
+/* A tree of JSON takes many times its text. */
+static void test_json(void **state) {
+    (void)state;
+    enum { OBJECTS = 500000 };
+    char *text = malloc(3 * OBJECTS + 200), *end = text;
+    assert_non_null(text);
+    end += sprintf(end, HEAD "\"extras\":[{}");
+    for (int i = 1; i < OBJECTS; ++i) end += sprintf(end, ",{}");
+    sprintf(end, "]}");
+    char *path = write_bytes("limits_json.gltf", text, strlen(text));
+    refuse_within(path, 100000000, "with it the scene takes");
+    mcv_scene *scene;
+    mcv_error error;
+    if (load_within(path, 0, &scene, &error) != MCV_OK) fail_msg("%s", error.text);
+    assert_int_equal(load_in_child(path, (double)scene->memory.files), 0); /* the bound holds */
+    mcv_scene_free(scene);
+    free(text);
+    free(path);
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_sparse_buffer), cmocka_unit_test(test_images_of_one_file),
+        cmocka_unit_test(test_geometry), cmocka_unit_test(test_json)};
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
