@@ -182,7 +182,7 @@ static bool is_only(const char *text, int kind, const double *numbers, int count
 
 static mcv_result read_code(const char *path, const char *text, mcv_calibration *camera,
                             mcv_error *error) {
-    double numbers[MOST];
+    double numbers[MOST] = {0};
     const char *rest;
     MCV_TRY(read_pose(path, text, camera, error));
     for (int i = 0; i < KINDS; ++i) {

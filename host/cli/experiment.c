@@ -73,12 +73,13 @@ static mcv_result run_command(const experiment *e, const mcv_command *c, const c
     mcv_command named = *c;
     named.allow_exec = true; /* what stands on the command line, or was allowed there */
     char *name = NULL, *whole = NULL, ending[64];
-    unsigned part, parts;
+    const char *slash = c->share ? strchr(c->share, '/') : NULL;
     if (!c->table) MCV_TRY(mcv_client_name(file, e->ending, &whole, error));
     if (whole) named.table = whole;
     mcv_result result = MCV_OK;
-    if (c->share && sscanf(c->share, "%u/%u", &part, &parts) == 2) {
-        snprintf(ending, sizeof ending, ".%u-of-%u.csv", part, parts);
+    if (slash && !strchr(slash + 1, '/')) {
+        snprintf(ending, sizeof ending, ".%.*s-of-%.16s.csv", (int)(slash - c->share), c->share,
+                 slash + 1);
         result = mcv_client_name(named.table, ending, &name, error);
         if (name) named.table = name;
     }

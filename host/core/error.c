@@ -4,7 +4,7 @@
 #include <stdarg.h>
 #include <stdio.h>
 
-mcv_result mcv_fail(mcv_error *error, mcv_result code, const char *format, ...) {
+mcv_result(mcv_fail)(mcv_error *error, mcv_result code, const char *format, ...) {
     va_list arguments;
     va_start(arguments, format);
     vsnprintf(error->text, sizeof error->text, format, arguments);

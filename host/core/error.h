@@ -17,6 +17,11 @@ mcv_result mcv_fail(mcv_error *error, mcv_result code, const char *format, ...)
 #endif
     ;
 
+/* clang's analyser sees by this that what fails does not return MCV_OK. */
+#ifdef __clang_analyzer__
+#define mcv_fail(error, code, ...) (mcv_fail(error, code, __VA_ARGS__), (code))
+#endif
+
 /* Leaves the calling function with a failed callee's code; the callee has written the sentence. */
 #define MCV_TRY(call) \
     do { \

@@ -42,7 +42,7 @@ static size_t add_place(char *text, size_t size, size_t length, const mcv_json_p
                : add(text, size, length, "%s%zu", place->parent->parent ? "/" : "", place->index);
 }
 
-mcv_result mcv_fail_at(const mcv_json_path *place, mcv_error *error, const char *format, ...) {
+mcv_result(mcv_fail_at)(const mcv_json_path *place, mcv_error *error, const char *format, ...) {
     const size_t size = sizeof error->text;
     mcv_error sentence = {""}; /* the arguments may point into error */
     size_t length = add_place(sentence.text, size, 0, place);

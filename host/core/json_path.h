@@ -29,6 +29,9 @@ mcv_json_path mcv_json_path_element(const mcv_json_path *parent, const char *nam
 /* Writes "FILE: PATH: sentence" and returns MCV_BAD_INPUT. */
 mcv_result mcv_fail_at(const mcv_json_path *place, mcv_error *error, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
+#ifdef __clang_analyzer__ /* as of mcv_fail */
+#define mcv_fail_at(place, error, ...) (mcv_fail_at(place, error, __VA_ARGS__), MCV_BAD_INPUT)
+#endif
 
 /* No memory for what is at `place`. */
 mcv_result mcv_fail_memory(const mcv_json_path *place, mcv_error *error);

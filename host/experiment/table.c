@@ -140,6 +140,7 @@ static long holder_of(const struct stat *status) {
         unsigned major, minor;
         unsigned long inode;
         const bool read =
+            // NOLINTNEXTLINE(cert-err34-c): the kernel's own numbers fit
             sscanf(line, "%*s FLOCK %*s %*s %ld %x:%x:%lu", &process, &major, &minor, &inode) == 4;
         if (read && inode == status->st_ino && major == major(status->st_dev) &&
             minor == minor(status->st_dev))

@@ -73,6 +73,7 @@ void mcv_aperture_prepare(const mcv_aperture_shape *s, bool irradiance, mcv_aper
     uint32_t passed = 0;
     for (uint32_t cell = 0; cell < p * p; ++cell) {
         device->share[cell] = (float)(passed / ((p * p - 1) / 2.0));
+        // NOLINTNEXTLINE(clang-analyzer-core.DivideZero): the order is a prime from 3 on
         passed += mcv_code_is_open(p, cell % p, cell / p);
     }
     device->share[p * p] = 1;

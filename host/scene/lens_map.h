@@ -59,7 +59,7 @@ double mcv_sensor_film_distance(const mcv_sensor *sensor);
 mcv_result mcv_sensor_resolve_distortion(mcv_sensor *sensor, const mcv_json_path *place,
                                          mcv_error *error);
 
-/* For the device: `params` are those of the sensor from `tilt` on, h its film's distance. */
-void mcv_distortion_prepare(const void *params, double h, mcv_distortion *device);
+/* For the device: `from` are those of the sensor from `tilt` on, h its film's distance. */
+void mcv_distortion_prepare(const void *from, double h, mcv_distortion *device);
 
 #endif

@@ -229,7 +229,7 @@ static mcv_result parse_choice(const mcv_param *param, const json_t *value, void
                  i > first ? " or " : "", options[i]);
     }
     const char *nearest =
-        text ? nearest_option(text, options + first, (size_t)(last - first + 1)) : NULL;
+        text ? nearest_option(text, options + first, (size_t)last - (size_t)first + 1) : NULL;
     if (nearest)
         return mcv_fail_at(place, error, "\"%s\" must be %s: did you mean \"%s\"?", text, list,
                            nearest);

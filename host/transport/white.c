@@ -43,6 +43,7 @@ static void copy_pattern(const mcv_scene *scene, const mcv_emitter *emitter,
             mcv_texture_value(scene->textures + emitter->texture, decoded, i % group->width,
                               i / group->width, rgb);
         for (uint32_t c = 0; c < channels; ++c)
+            // NOLINTNEXTLINE(clang-analyzer-core.uninitialized.Assign): channels are 1 or 3
             to[c] = (float)(channels == 1 ? (rgb[0] + rgb[1] + rgb[2]) / 3 : rgb[c]);
     }
 }

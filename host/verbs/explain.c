@@ -11,12 +11,15 @@
 #include "verbs/render_picture.h"
 
 static mcv_result read_pixel(const mcv_command *command, uint32_t pixel[2], mcv_error *error) {
-    int end = 0;
+    char *comma, *end = NULL;
     if (!command->pixel)
         return mcv_fail(error, MCV_USAGE, "--pixel is missing: give one, as in --pixel 120,80");
-    if (sscanf(command->pixel, "%5u,%5u%n", &pixel[0], &pixel[1], &end) == 2 &&
-        command->pixel[strspn(command->pixel, "0123456789,")] == '\0' &&
-        command->pixel[end] == '\0')
+    const unsigned long column = strtoul(command->pixel, &comma, 10),
+                        row = *comma == ',' ? strtoul(comma + 1, &end, 10) : 0;
+    pixel[0] = (uint32_t)column;
+    pixel[1] = (uint32_t)row;
+    if (command->pixel[strspn(command->pixel, "0123456789,")] == '\0' && comma > command->pixel &&
+        *comma == ',' && end > comma + 1 && *end == '\0' && column <= 99999 && row <= 99999)
         return MCV_OK;
     return mcv_fail(error, MCV_USAGE,
                     "--pixel %s: must be column and row from 0, as in --pixel 120,80",

@@ -3,6 +3,7 @@
 
 #include "core/output_file.h"
 #include "experiment/table.h"
+#include "verbs/sweep.h"
 
 #include <libgen.h>
 #include <limits.h>
@@ -131,6 +132,7 @@ static int by_set(const void *a, const void *b) {
 }
 
 static mcv_result sort_lines(joining *j) {
+    if (j->line_count == 0) return MCV_OK;
     qsort(j->lines, j->line_count, sizeof *j->lines, by_set);
     for (size_t i = 1; i < j->line_count; ++i)
         if (j->lines[i].set == j->lines[i - 1].set)
@@ -142,22 +144,21 @@ static mcv_result sort_lines(joining *j) {
 
 /* Which parts of N are not there. */
 static void tell_missing(const joining *j, mcv_report *report) {
-    unsigned long long part, parts = 0, other;
+    size_t share[2], parts = 0;
     char sentence[512] = "", *end = sentence, *last = sentence + sizeof sentence - 32;
     for (size_t i = 0; i < j->table_count; ++i) {
         const char *range = json_string_value(json_object_get(j->tables[i].experiment, "range"));
-        if (!range || sscanf(range, "%llu/%llu", &part, &other) != 2) return;
-        if (parts != 0 && parts != other) return;
-        parts = other;
+        if (!range || !mcv_read_share(range, share)) return;
+        if (parts != 0 && parts != share[1]) return;
+        parts = share[1];
     }
-    for (unsigned long long k = 0; k < parts && end < last; ++k) {
+    for (size_t k = 0; k < parts && end < last; ++k) {
         bool found = false;
         for (size_t i = 0; i < j->table_count; ++i) {
-            sscanf(json_string_value(json_object_get(j->tables[i].experiment, "range")), "%llu",
-                   &part);
-            found = found || part == k;
+            const json_t *range = json_object_get(j->tables[i].experiment, "range");
+            found = found || (mcv_read_share(json_string_value(range), share) && share[0] == k);
         }
-        if (!found) end += snprintf(end, 32, "%s%llu/%llu", end > sentence ? ", " : "", k, parts);
+        if (!found) end += snprintf(end, 32, "%s%zu/%zu", end > sentence ? ", " : "", k, parts);
     }
     char text[640];
     if (end == sentence) return;

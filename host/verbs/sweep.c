@@ -15,19 +15,24 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* "I/N" of --range. */
-static mcv_result read_share(const char *text, size_t share[2], mcv_error *error) {
-    unsigned long long part, parts;
-    char rest;
+bool mcv_read_share(const char *text, size_t share[2]) {
+    char *slash, *end;
+    const unsigned long part = strtoul(text, &slash, 10);
+    if (!isdigit((unsigned char)text[0]) || slash[0] != '/' || !isdigit((unsigned char)slash[1]))
+        return false;
+    const unsigned long parts = strtoul(slash + 1, &end, 10);
+    share[0] = part;
+    share[1] = parts;
+    return *end == '\0' && part < parts && parts <= 1000000;
+}
+
+/* --range; zeros without it. */
+static mcv_result read_range(const char *text, size_t share[2], mcv_error *error) {
     share[0] = share[1] = 0;
-    if (!text) return MCV_OK;
-    if (sscanf(text, "%llu/%llu%c", &part, &parts, &rest) != 2 ||
-        !isdigit((unsigned char)text[0]) || part >= parts || parts > 1000000)
-        return mcv_fail(error, MCV_USAGE,
-                        "--range %s: must be I/N with I from 0 to N - 1, as in 0/8", text);
-    share[0] = (size_t)part;
-    share[1] = (size_t)parts;
-    return MCV_OK;
+    return !text || mcv_read_share(text, share)
+               ? MCV_OK
+               : mcv_fail(error, MCV_USAGE,
+                          "--range %s: must be I/N with I from 0 to N - 1, as in 0/8", text);
 }
 
 mcv_result mcv_sweep_experiment(const mcv_command *c, mcv_experiment *experiment,
@@ -62,7 +67,7 @@ mcv_result mcv_sweep_experiment(const mcv_command *c, mcv_experiment *experiment
                          .note = c->note,
                          .resume = c->resume,
                          .force = c->again};
-    MCV_TRY(read_share(c->share, experiment->share, error));
+    MCV_TRY(read_range(c->share, experiment->share, error));
     if (c->resume && c->again)
         return mcv_fail(error, MCV_USAGE, "--force begins the table again: leave out --resume");
     return mcv_render_options_read(c, &experiment->render, error);

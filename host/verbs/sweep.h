@@ -11,6 +11,9 @@
 mcv_result mcv_sweep_experiment(const mcv_command *command, mcv_experiment *experiment,
                                 mcv_error *error);
 
+/* "I/N" with I below N, of at most a million parts: I and N. False if the text is none. */
+bool mcv_read_share(const char *text, size_t share[2]);
+
 /* What stands beside the scene in the experiment's file; NULL without memory. */
 json_t *mcv_sweep_settings(const mcv_command *command);
 

@@ -30,11 +30,11 @@ static int render_with_kills(const char *line, int kills, unsigned seed) {
     char resumed[1024];
     snprintf(resumed, sizeof resumed, "render %s -o killed.exr --checkpoint killed.film --resume",
              line);
-    srand(seed);
+    srand48(seed);
     remove("killed.exr");
     for (int i = 0; i < kills; ++i) {
         const pid_t child = child_start(resumed, 0);
-        const double late = 0.1 * rand() / RAND_MAX, later = 0.04 * rand() / RAND_MAX;
+        const double late = 0.1 * drand48(), later = 0.04 * drand48();
         const struct timespec before = modified("killed.film");
         child_wait_for_handler(child, SIGTERM);
         sleep_for(late);

@@ -17,7 +17,7 @@
 /* Kills the line at a random moment of the time that it takes. True if it was killed. */
 static bool kill_once(const char *line, double seconds) {
     const pid_t child = child_start(line, 0);
-    const double end = now() + seconds * rand() / RAND_MAX;
+    const double end = now() + seconds * drand48();
     while (now() < end && !child_ended(child)) sleep_for(0.001);
     kill(child, SIGKILL);
     const int code = child_end(child);
@@ -47,7 +47,7 @@ static void test_killed_sweeps_end_in_the_same_rows(void **state) {
     program_well(SWEEP " -o whole.csv");
     const double seconds = now() - begun;
     int killed = 0;
-    srand(1);
+    srand48(1);
     for (int done = 0; done < KILLS; ++done) {
         if (!kill_once(SWEEP " -o killed.csv --resume", seconds)) {
             remove("killed.csv"); /* it was done: begin again */
@@ -76,7 +76,7 @@ static void test_killed_merges_leave_whole_files(void **state) {
     program_well(line);
     const double seconds = now() - begun;
     assert_int_equal(rename("merged.exr", "whole.exr"), 0);
-    srand(2);
+    srand48(2);
     for (int i = 0; i < KILLS; ++i) {
         killed += kill_once(line, seconds);
         if (access("merged.exr", F_OK) == 0) expect_same_image("whole.exr", "merged.exr");

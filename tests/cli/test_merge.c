@@ -28,10 +28,10 @@ static void render_parts(const char *options, unsigned samples, unsigned begin, 
         render_part(options, i * samples, (i + 1) * samples, part);
         order[i - begin] = i;
     }
-    srand(seed);
+    srand48(seed);
     words[0] = '\0';
     for (unsigned left = end - begin; left > 0; --left) {
-        const unsigned k = (unsigned)rand() % left;
+        const unsigned k = (unsigned)(drand48() * left);
         snprintf(words + strlen(words), size - strlen(words), " %s-%u.film", name, order[k]);
         order[k] = order[left - 1];
     }

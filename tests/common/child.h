@@ -73,7 +73,8 @@ static inline void child_wait_for_handler(pid_t child, int signal) {
     for (int i = 0; i < 3000 && !child_ended(child); ++i, sleep_for(0.01)) {
         unsigned long long caught = 0;
         FILE *status = fopen(path, "r");
-        while (status && fgets(line, sizeof line, status)) sscanf(line, "SigCgt: %llx", &caught);
+        while (status && fgets(line, sizeof line, status))
+            if (strncmp(line, "SigCgt:", 7) == 0) caught = strtoull(line + 7, NULL, 16);
         if (status) fclose(status);
         if (caught >> (signal - 1) & 1) return;
     }

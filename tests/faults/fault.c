@@ -21,6 +21,8 @@ static long at;
 static const char *kind;
 static bool ready;
 
+/* The names are glibc's, and those of its parameters are reserved. */
+// NOLINTBEGIN(bugprone-reserved-*,cert-dcl*,readability-inconsistent-*)
 extern void *__libc_malloc(size_t);
 extern void *__libc_calloc(size_t, size_t);
 extern void *__libc_realloc(void *, size_t);
@@ -93,6 +95,8 @@ int rename(const char *from, const char *to) {
     return NEXT(int (*)(const char *, const char *), "rename")(from, to);
 }
 
+// NOLINTEND(bugprone-reserved-*,cert-dcl*,readability-inconsistent-*)
+
 static void finish(void) {
     const char *path = getenv("MCV_FAULT_COUNT");
     const long count = calls;
@@ -106,7 +110,7 @@ static void finish(void) {
 __attribute__((constructor)) static void begin(void) {
     const char *number = getenv("MCV_FAULT_AT");
     kind = getenv("MCV_FAULT");
-    at = number ? atol(number) : 0;
+    at = number ? strtol(number, NULL, 10) : 0;
     atexit(finish);
     ready = kind != NULL;
 }

@@ -223,6 +223,7 @@ typedef struct multistart {
     double least, regret, wanted; /* least: what was seen */
 } multistart;
 
+// NOLINTNEXTLINE(readability-non-const-parameter): as NLopt has it
 static double evaluate_one(unsigned count, const double *x, double *slopes, void *user) {
     multistart *m = user;
     mcv_noise noise = mcv_noise_begin(m->n->run, 32, ++m->calls);

@@ -283,12 +283,14 @@ static void test_matrix_market(void **state) {
     assert_non_null(file);
     assert_non_null(fgets(line, sizeof line, file));
     assert_string_equal(line, "%%MatrixMarket matrix coordinate real general\n");
+    // NOLINTNEXTLINE(cert-err34-c): numbers that do not fit are not equal below
     assert_int_equal(fscanf(file, "%zu %zu %zu", &rows, &columns, &entries), 3);
     assert_int_equal(rows, m.row_count);
     assert_int_equal(columns, ELEMENTS);
     assert_int_equal(entries, m.row_begins[m.row_count]);
     for (size_t r = 0; r < m.row_count; ++r)
         for (uint64_t i = m.row_begins[r]; i < m.row_begins[r + 1]; ++i) {
+            // NOLINTNEXTLINE(cert-err34-c): numbers that do not fit are not equal below
             assert_int_equal(fscanf(file, "%zu %u %lf", &row, &column, &value), 3);
             assert_true(row == r + 1 && column == m.columns[i] + 1 && value == m.values[i]);
         }
