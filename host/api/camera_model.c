@@ -52,22 +52,10 @@ mcv_result mcv_rig_camera_model(const mcv_rig *rig, const char *options, char **
 
 /* --- the other way --- */
 
-/* On a copy of the tree: after failure the rig is as it was. */
-static mcv_result add(mcv_rig *rig, const mcv_command *command, char **report, mcv_error *error) {
-    mcv_report r;
-    json_t *root = json_deep_copy(rig->document.root);
-    mcv_result result = mcv_report_keep(&r, command->json, error);
-    if (result == MCV_OK && !root) result = mcv_fail(error, MCV_FAILED, "no memory for the rig");
-    if (result == MCV_OK) result = mcv_camera_model_import(command, root, &r, error);
-    if (result == MCV_OK && report)
-        result = mcv_report_take(&r, report, error);
-    else
-        mcv_report_free(&r);
-    if (result == MCV_OK)
-        mcv_rig_take_root(rig, root);
-    else
-        json_decref(root);
-    return result;
+static mcv_result edit(const mcv_rig *rig, const mcv_command *command, json_t *root,
+                       mcv_report *report, mcv_error *error) {
+    (void)rig;
+    return mcv_camera_model_import(command, root, report, error);
 }
 
 static mcv_result add_camera(mcv_rig *rig, const char *file, const char *options, char **report,
@@ -78,7 +66,7 @@ static mcv_result add_camera(mcv_rig *rig, const char *file, const char *options
     MCV_TRY(
         mcv_options_read(options, NULL, MCV_VERB_CAMERA_MODEL, arguments, without, &given, error));
     given.command.import = file;
-    const mcv_result result = add(rig, &given.command, report, error);
+    const mcv_result result = mcv_rig_change(rig, &given.command, edit, report, error);
     mcv_options_free(&given);
     return result;
 }

@@ -21,24 +21,12 @@ static mcv_result try_scene(const mcv_rig *rig, json_t *root, mcv_report *report
     return result;
 }
 
-/* On a copy of the tree: after failure the rig is as it was. */
-static mcv_result add(mcv_rig *rig, const mcv_command *command, char **report, mcv_error *error) {
-    mcv_report r;
+static mcv_result edit(const mcv_rig *rig, const mcv_command *command, json_t *root,
+                       mcv_report *report, mcv_error *error) {
     char *name = NULL;
-    json_t *root = json_deep_copy(rig->document.root);
-    mcv_result result = mcv_report_keep(&r, command->json, error);
-    if (result == MCV_OK && !root) result = mcv_fail(error, MCV_FAILED, "no memory for the rig");
-    if (result == MCV_OK) result = mcv_defect_add(command, root, &name, error);
-    if (result == MCV_OK) result = try_scene(rig, root, &r, error);
+    mcv_result result = mcv_defect_add(command, root, &name, error);
+    if (result == MCV_OK) result = try_scene(rig, root, report, error);
     free(name);
-    if (result == MCV_OK && report)
-        result = mcv_report_take(&r, report, error);
-    else
-        mcv_report_free(&r);
-    if (result == MCV_OK)
-        mcv_rig_take_root(rig, root);
-    else
-        json_decref(root);
     return result;
 }
 
@@ -48,7 +36,7 @@ static mcv_result add_defect(mcv_rig *rig, const char *type, const char *options
     const char *const arguments[2] = {rig->document.path, type};
     mcv_options_given given;
     MCV_TRY(mcv_options_read(options, NULL, MCV_VERB_DEFECT, arguments, without, &given, error));
-    const mcv_result result = add(rig, &given.command, report, error);
+    const mcv_result result = mcv_rig_change(rig, &given.command, edit, report, error);
     mcv_options_free(&given);
     return result;
 }

@@ -33,8 +33,13 @@ struct mcv_rig {
 mcv_result mcv_rig_of(mcv_document *document, const char *path, const char *folder, mcv_rig **rig,
                       mcv_error *error);
 
-/* The rig is another scene from now on: of this tree, which changes owners. */
-void mcv_rig_take_root(mcv_rig *rig, json_t *root);
+/* Changes a tree as the command says, and reports on it. */
+typedef mcv_result mcv_rig_edit(const mcv_rig *rig, const mcv_command *command, json_t *root,
+                                mcv_report *report, mcv_error *error);
+
+/* Edits a copy of the rig's tree: after failure the rig is as it was. *report may be NULL. */
+mcv_result mcv_rig_change(mcv_rig *rig, const mcv_command *command, mcv_rig_edit *edit,
+                          char **report, mcv_error *error);
 
 /* What was changed since the document was read, for the header of pictures. */
 mcv_overrides mcv_rig_changes(const mcv_rig *rig);

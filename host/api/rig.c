@@ -200,7 +200,8 @@ mcv_result mcv_rig_set(mcv_rig *rig, const char *path, const char *value, mcv_er
     return result;
 }
 
-void mcv_rig_take_root(mcv_rig *rig, json_t *root) {
+/* The rig is another scene from now on: of this tree, which changes owners. */
+static void take_root(mcv_rig *rig, json_t *root) {
     char *text = json_dumps(root, JSON_COMPACT | JSON_REAL_PRECISION(17));
     json_decref(rig->document.root);
     rig->document.root = root;
@@ -208,6 +209,24 @@ void mcv_rig_take_root(mcv_rig *rig, json_t *root) {
     rig->hash = mcv_hash_bytes(rig->hash, text, strlen(text));
     rig->document.fingerprint = mcv_hash_bytes(rig->document.fingerprint, text, strlen(text));
     free(text);
+}
+
+mcv_result mcv_rig_change(mcv_rig *rig, const mcv_command *command, mcv_rig_edit *edit,
+                          char **report, mcv_error *error) {
+    mcv_report r;
+    json_t *root = json_deep_copy(rig->document.root);
+    mcv_result result = mcv_report_keep(&r, command->json, error);
+    if (result == MCV_OK && !root) result = mcv_fail(error, MCV_FAILED, "no memory for the rig");
+    if (result == MCV_OK) result = edit(rig, command, root, &r, error);
+    if (result == MCV_OK && report)
+        result = mcv_report_take(&r, report, error);
+    else
+        mcv_report_free(&r);
+    if (result == MCV_OK)
+        take_root(rig, root);
+    else
+        json_decref(root);
+    return result;
 }
 
 static mcv_result get_from_rig(const mcv_rig *rig, const char *path, char **json,

@@ -2,8 +2,6 @@
 #include "check/setup_page.h"
 
 #include "check/setup_drawing.h"
-#include "core/output_file.h"
-#include "io/embedded.h"
 #include "io/html.h"
 #include "scene/params.h"
 #include "scene/sensors.h"
@@ -98,17 +96,18 @@ static bool put_sensor(FILE *out, const mcv_scene *scene, uint32_t index) {
 
 /* --- the page --- */
 
-static bool put_page(FILE *out, const mcv_scene *scene, const mcv_findings *findings) {
-    const char *slash = strrchr(scene->path, '/'), *name = slash ? slash + 1 : scene->path;
-    fputs("<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta "
-          "name=\"viewport\" content=\"width=device-width\">\n"
-          "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src ",
-          out);
-    fprintf(out, "'%s'\">\n<title>", mcv_setup_css_hash);
-    mcv_html_text(out, name);
-    fprintf(out, "</title>\n<style>%s</style></head><body>\n<h1>", mcv_setup_css);
-    mcv_html_text(out, name);
-    fprintf(out, "</h1>\n<p class=\"file\">%u triangles, %u %s, %u %s</p>\n", scene->triangle_count,
+typedef struct page {
+    const mcv_scene *scene;
+    const mcv_findings *findings;
+} page;
+
+static bool put_page(FILE *out, void *user) {
+    const page *p = user;
+    const mcv_scene *scene = p->scene;
+    const mcv_findings *findings = p->findings;
+    const char *slash = strrchr(scene->path, '/');
+    mcv_html_begin(out, slash ? slash + 1 : scene->path, false, "");
+    fprintf(out, "<p class=\"file\">%u triangles, %u %s, %u %s</p>\n", scene->triangle_count,
             scene->sensor_count, scene->sensor_count == 1 ? "sensor" : "sensors",
             scene->emitter_count, scene->emitter_count == 1 ? "emitter" : "emitters");
     if (findings->count == 0) fputs("<p>No findings.</p>\n", out);
@@ -130,8 +129,7 @@ static bool put_page(FILE *out, const mcv_scene *scene, const mcv_findings *find
     for (uint32_t i = 0; i < scene->sensor_count; ++i)
         if (!put_sensor(out, scene, i)) return false;
     fputs("<p class=\"file\">Rays are those of first-order optics, from the edges and the middle "
-          "of the film; bodies are drawn as their "
-          "convex "
+          "of the film; bodies are drawn as their convex "
           "hulls, and glass does not bend rays here.</p>\n</body></html>\n",
           out);
     return true;
@@ -139,15 +137,6 @@ static bool put_page(FILE *out, const mcv_scene *scene, const mcv_findings *find
 
 mcv_result mcv_setup_page_write(const char *path, const mcv_scene *scene,
                                 const mcv_findings *findings, mcv_error *error) {
-    char *text = NULL;
-    size_t size = 0;
-    FILE *stream = open_memstream(&text, &size);
-    const bool written = stream && put_page(stream, scene, findings);
-    if (!stream || fclose(stream) != 0 || !written) {
-        free(text);
-        return mcv_fail(error, MCV_FAILED, "%s: no memory to write it", path);
-    }
-    const mcv_result result = mcv_output_whole(path, text, size, error);
-    free(text);
-    return result;
+    page p = {scene, findings};
+    return mcv_html_write(path, put_page, &p, error);
 }

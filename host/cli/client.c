@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "cli/client.h"
 
+#include "cli/interrupt.h"
 #include "cli/tell.h"
 #include "core/basics.h"
 
@@ -146,4 +147,15 @@ mcv_result mcv_client_print(char *report, bool json, mcv_error *error) {
         mcv_client_text(report);
     mcv_text_free(report);
     return result;
+}
+
+bool mcv_client_told(void *user, const char *report) {
+    const mcv_command *command = user;
+    if (report && command->json) {
+        mcv_client_notes(report);
+    } else if (report) {
+        mcv_client_text(report);
+        fflush(stdout);
+    }
+    return mcv_interrupt == 0;
 }

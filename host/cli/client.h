@@ -41,6 +41,10 @@ mcv_result mcv_client_print(char *report, bool json, mcv_error *error);
 /* Prints the notes of a report in JSON only. False where the report is nothing else. */
 bool mcv_client_notes(const char *report);
 
+/* For experiments, of which `user` is the command: prints what finishes; with --json only its
+ * notes. False after an interrupt. */
+bool mcv_client_told(void *user, const char *report);
+
 /* Prints a text, JSON for example, and a line feed to standard output. */
 void mcv_client_line(const char *text);
 

@@ -21,18 +21,6 @@ typedef struct experiment {
                       mcv_told_call *told, void *user, char **report, mcv_error *error);
 } experiment;
 
-/* With --json only what is odd is shown before the end. */
-static bool on_told(void *user, const char *report) {
-    const mcv_command *command = user;
-    if (report && command->json) {
-        mcv_client_notes(report);
-    } else if (report) {
-        mcv_client_text(report);
-        fflush(stdout);
-    }
-    return mcv_interrupt == 0;
-}
-
 /* F.json beside the table must not replace the file that the experiment is read from. */
 static mcv_result check_experiment(const mcv_command *c, const char *file, mcv_error *error) {
     char *sidecar;
@@ -56,8 +44,8 @@ static mcv_result run(const experiment *e, const mcv_command *c, const char *rig
     if (result == MCV_OK) result = mcv_client_open(c, rig, &client, error);
     mcv_interrupt_watch(false);
     if (result == MCV_OK)
-        result =
-            e->run(client.session, client.rig, client.options, on_told, (void *)c, &report, error);
+        result = e->run(client.session, client.rig, client.options, mcv_client_told, (void *)c,
+                        &report, error);
     if (report && c->json)
         mcv_client_line(report);
     else if (report)

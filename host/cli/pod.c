@@ -35,18 +35,6 @@ static mcv_result study_table(const mcv_command *command, const char *table, con
 
 /* --- experiments --- */
 
-/* Rows as they finish; with --json only what is odd. */
-static bool on_told(void *user, const char *report) {
-    const mcv_command *command = user;
-    if (report && command->json) {
-        mcv_client_notes(report);
-    } else if (report) {
-        mcv_client_text(report);
-        fflush(stdout);
-    }
-    return mcv_interrupt == 0;
-}
-
 /* Renders what the table does not have yet. `experiment`: the options of a sweep. */
 static mcv_result render(const mcv_command *c, const char *rig_path, json_t *experiment,
                          const char *table, mcv_error *error) {
@@ -65,7 +53,7 @@ static mcv_result render(const mcv_command *c, const char *rig_path, json_t *exp
     if (result == MCV_OK) result = mcv_rig_open(rig_path, &rig, error);
     mcv_interrupt_watch(false);
     if (result == MCV_OK)
-        result = mcv_session_sweep(session, rig, options, on_told, (void *)c, NULL, error);
+        result = mcv_session_sweep(session, rig, options, mcv_client_told, (void *)c, NULL, error);
     mcv_rig_free(rig);
     mcv_session_close(session);
     free(options);

@@ -2,7 +2,6 @@
 #include "experiment/page.h"
 
 #include "check/setup_page.h"
-#include "core/output_file.h"
 #include "experiment/page_parts.h"
 #include "experiment/run_set.h"
 #include "io/embedded.h"
@@ -11,7 +10,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
 
 /* --- numbers and names --- */
 
@@ -65,34 +63,16 @@ static bool make_numbers(mcv_page *page) {
 
 /* --- the page --- */
 
-/* Of SOURCE_DATE_EPOCH, for pages that are to be the same again, or today's. */
-static void put_date(FILE *out) {
-    const char *given = getenv("SOURCE_DATE_EPOCH");
-    const time_t seconds = given ? (time_t)strtoll(given, NULL, 10) : time(NULL);
-    struct tm day;
-    char text[32] = "";
-    if (gmtime_r(&seconds, &day)) strftime(text, sizeof text, "%Y-%m-%d", &day);
-    fputs(text, out);
-}
-
 static void put_head(FILE *out, const mcv_page *page) {
     const mcv_experiment *e = page->sweep->experiment;
     const char *slash = strrchr(e->rig, '/');
-    char title[PATH_MAX + 16];
+    char title[PATH_MAX + 16], policy[160];
     snprintf(title, sizeof title, "%s of %s", e->verb ? e->verb : "Sweep",
              slash ? slash + 1 : e->rig);
-    fputs("<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta "
-          "name=\"viewport\" content=\"width=device-width\">\n"
-          "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; ",
-          out);
-    fprintf(out, "style-src '%s' '%s'; script-src '%s'; img-src data:\">\n<title>",
-            mcv_setup_css_hash, mcv_sweep_css_hash, mcv_sweep_js_hash);
-    mcv_html_text(out, e->title ? e->title : title);
-    fprintf(out, "</title>\n<style>%s</style><style>%s</style></head><body>\n<h1>", mcv_setup_css,
-            mcv_sweep_css);
-    mcv_html_text(out, e->title ? e->title : title);
-    fputs("</h1>\n<p class=\"file\">", out);
-    put_date(out);
+    snprintf(policy, sizeof policy, "; script-src '%s'; img-src data:", mcv_sweep_js_hash);
+    mcv_html_begin(out, e->title ? e->title : title, true, policy);
+    fputs("<p class=\"file\">", out);
+    mcv_html_date(out);
     fputs(" · mcvisi " MCV_VERSION " · ", out);
     fprintf(out, "%zu of %zu sets", page->sweep->table.row_count, page->sweep->plan.wanted);
     if (mcv_table_failed(&page->sweep->table))
@@ -148,7 +128,8 @@ static mcv_scene *load_shown(const mcv_page *page, uint32_t *sensor, size_t *sho
     return NULL;
 }
 
-static bool put_page(FILE *out, mcv_page *page) {
+static bool put_page(FILE *out, void *user) {
+    mcv_page *page = user;
     const mcv_sweep *s = page->sweep;
     uint32_t sensor = 0;
     size_t shown;
@@ -177,18 +158,10 @@ static bool put_page(FILE *out, mcv_page *page) {
 }
 
 mcv_result mcv_experiment_page(const mcv_sweep *sweep, mcv_error *error) {
-    char *text = NULL;
-    size_t size = 0;
     mcv_page *page = calloc(1, sizeof *page);
-    FILE *stream = page ? open_memstream(&text, &size) : NULL;
-    if (page) page->sweep = sweep;
-    const bool written = stream && put_page(stream, page);
+    if (!page) return mcv_fail(error, MCV_FAILED, "%s: no memory to write it", sweep->table.page);
+    page->sweep = sweep;
+    const mcv_result result = mcv_html_write(sweep->table.page, put_page, page, error);
     free(page);
-    if (!stream || fclose(stream) != 0 || !written) {
-        free(text);
-        return mcv_fail(error, MCV_FAILED, "%s: no memory to write it", sweep->table.page);
-    }
-    const mcv_result result = mcv_output_whole(sweep->table.page, text, size, error);
-    free(text);
     return result;
 }

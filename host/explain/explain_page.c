@@ -8,8 +8,6 @@
 
 #include "check/setup_drawing.h"
 #include "check/setup_page.h"
-#include "core/output_file.h"
-#include "io/embedded.h"
 #include "io/html.h"
 
 /* Classes of rays that the style knows. */
@@ -61,22 +59,26 @@ static bool put_table(FILE *out, const mcv_scene *scene, uint32_t sensor, const 
     return true;
 }
 
-static bool put_page(FILE *out, const mcv_scene *scene, uint32_t sensor, const uint32_t pixel[2],
-                     const drawn *d) {
-    drawn overlay = *d;
-    fputs("<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta "
-          "name=\"viewport\" content=\"width=device-width\">\n"
-          "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; style-src ",
-          out);
-    fprintf(out, "'%s'\">\n<title>Pixel %u, %u</title>\n<style>%s</style></head><body>\n",
-            mcv_setup_css_hash, pixel[0], pixel[1], mcv_setup_css);
-    fprintf(out, "<h1>Where the light of pixel %u, %u comes from</h1>\n<p class=\"file\">",
-            pixel[0], pixel[1]);
-    mcv_html_text(out, scene->path);
+typedef struct page {
+    const mcv_scene *scene;
+    uint32_t sensor;
+    const uint32_t *pixel;
+    drawn drawn;
+} page;
+
+static bool put_page(FILE *out, void *user) {
+    page *p = user;
+    char title[80];
+    snprintf(title, sizeof title, "Where the light of pixel %u, %u comes from", p->pixel[0],
+             p->pixel[1]);
+    mcv_html_begin(out, title, false, "");
+    fputs("<p class=\"file\">", out);
+    mcv_html_text(out, p->scene->path);
     fputs("</p>\n", out);
-    if (!put_table(out, scene, sensor, d)) return false;
+    if (!put_table(out, p->scene, p->sensor, &p->drawn)) return false;
     for (int above = 0; above < 2; ++above)
-        if (!mcv_setup_put_view(out, scene, sensor, above, put_paths, &overlay)) return false;
+        if (!mcv_setup_put_view(out, p->scene, p->sensor, above, put_paths, &p->drawn))
+            return false;
     fputs(
         "<p class=\"file\">Of each route its strongest path is drawn, projected onto the plane of "
         "the drawing. Bodies are drawn as their convex hulls.</p>\n</body></html>\n",
@@ -87,16 +89,6 @@ static bool put_page(FILE *out, const mcv_scene *scene, uint32_t sensor, const u
 mcv_result mcv_explain_page_write(const char *path, const mcv_scene *scene, uint32_t sensor,
                                   const uint32_t pixel[2], const mcv_routes *routes, size_t shown,
                                   mcv_error *error) {
-    char *text = NULL;
-    size_t size = 0;
-    const drawn d = {routes, routes->count < shown ? routes->count : shown};
-    FILE *stream = open_memstream(&text, &size);
-    const bool written = stream && put_page(stream, scene, sensor, pixel, &d);
-    if (!stream || fclose(stream) != 0 || !written) {
-        free(text);
-        return mcv_fail(error, MCV_FAILED, "%s: no memory to write it", path);
-    }
-    const mcv_result result = mcv_output_whole(path, text, size, error);
-    free(text);
-    return result;
+    page p = {scene, sensor, pixel, {routes, routes->count < shown ? routes->count : shown}};
+    return mcv_html_write(path, put_page, &p, error);
 }

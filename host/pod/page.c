@@ -1,8 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "pod/page.h"
 
-#include "core/output_file.h"
-#include "io/embedded.h"
 #include "io/html.h"
 #include "pod/page_plots.h"
 
@@ -11,32 +9,11 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-#include <time.h>
-
-/* Of SOURCE_DATE_EPOCH, for pages that are to be the same again, or today's. */
-static void put_date(FILE *out) {
-    const char *given = getenv("SOURCE_DATE_EPOCH");
-    const time_t seconds = given ? (time_t)strtoll(given, NULL, 10) : time(NULL);
-    struct tm day;
-    char text[32] = "";
-    if (gmtime_r(&seconds, &day)) strftime(text, sizeof text, "%Y-%m-%d", &day);
-    fputs(text, out);
-}
 
 static void put_head(FILE *out, const mcv_pod_study *s, const mcv_pod_page *page) {
-    const char *title = page->title ? page->title : "Probability of detection";
-    fprintf(out,
-            "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\"><meta "
-            "name=\"viewport\" content=\"width=device-width\">\n"
-            "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; "
-            "style-src '%s' '%s'\">\n<title>",
-            mcv_setup_css_hash, mcv_sweep_css_hash);
-    mcv_html_text(out, title);
-    fprintf(out, "</title>\n<style>%s</style><style>%s</style></head><body>\n<h1>", mcv_setup_css,
-            mcv_sweep_css);
-    mcv_html_text(out, title);
-    fputs("</h1>\n<p class=\"file\">", out);
-    put_date(out);
+    mcv_html_begin(out, page->title ? page->title : "Probability of detection", true, "");
+    fputs("<p class=\"file\">", out);
+    mcv_html_date(out);
     fprintf(out, " · mcvisi " MCV_VERSION " · %zu defects, %zu flawless parts</p>\n", s->count,
             s->flawless_count);
     if (!page->note) return;
@@ -182,7 +159,15 @@ static void put_limits(FILE *out, const mcv_pod_study *s, const mcv_pod_page *pa
     fputs("</p></footer>\n", out);
 }
 
-static bool put_page(FILE *out, const mcv_pod_study *s, const mcv_pod_page *page) {
+struct written {
+    const mcv_pod_study *study;
+    const mcv_pod_page *page;
+};
+
+static bool put_page(FILE *out, void *user) {
+    const struct written *w = user;
+    const mcv_pod_study *s = w->study;
+    const mcv_pod_page *page = w->page;
     const char *size = page->size_name ? page->size_name : "size";
     put_head(out, s, page);
     if (!put_answer(out, s)) return false;
@@ -202,15 +187,6 @@ static bool put_page(FILE *out, const mcv_pod_study *s, const mcv_pod_page *page
 
 mcv_result mcv_pod_page_write(const char *path, const mcv_pod_study *study,
                               const mcv_pod_page *page, mcv_error *error) {
-    char *text = NULL;
-    size_t size = 0;
-    FILE *out = open_memstream(&text, &size);
-    const bool written = out && put_page(out, study, page);
-    if (!out || fclose(out) != 0 || !written) {
-        free(text);
-        return mcv_fail(error, MCV_FAILED, "%s: no memory to write it", path);
-    }
-    const mcv_result result = mcv_output_whole(path, text, size, error);
-    free(text);
-    return result;
+    struct written w = {study, page};
+    return mcv_html_write(path, put_page, &w, error);
 }

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "verbs/optimize.h"
 
+#include "verbs/sweep.h"
+
 #include <math.h>
 #include <stdlib.h>
 
@@ -54,22 +56,12 @@ static json_t *winner_json(const mcv_optimization *o) {
 
 mcv_result mcv_optimize_json(const mcv_optimization *o, double spent, char **text,
                              mcv_error *error) {
-    const mcv_table *table = &o->sweep.table;
-    json_t *document = json_object(), *points = json_array();
-    if (table->path[0]) {
-        json_object_set_new(document, "table", json_string(table->path));
-        json_object_set_new(document, "page", json_string(table->page));
-        json_object_set_new(document, "experiment", json_string(table->sidecar));
-    }
-    json_object_set_new(document, "rows", json_integer((json_int_t)table->row_count));
-    json_object_set_new(document, "failed", json_integer((json_int_t)mcv_table_failed(table)));
-    json_object_set_new(document, "seconds", json_real(spent));
+    json_t *document = mcv_sweep_json_head(&o->sweep, spent), *points = json_array();
     json_object_set_new(document, "ended", json_string(o->found.ended));
     for (size_t i = 0; i < o->found.point_count; ++i)
         json_array_append_new(points, point_json(o, o->found.points + i));
     if (o->search.objectives == 1) json_object_set_new(document, "winner", winner_json(o));
     json_object_set_new(document, o->search.objectives == 1 ? "rivals" : "front", points);
-    json_object_set_new(document, "fingerprint", json_string(o->sweep.fingerprint));
     *text = json_dumps(document, JSON_COMPACT);
     json_decref(document);
     return *text ? MCV_OK : mcv_fail(error, MCV_FAILED, "no memory for the report");

@@ -128,17 +128,23 @@ static json_t *describe_metric(const mcv_sweep *s, size_t metric, const double *
                      strcmp(unit, MCV_UNIT_OF_VALUES) == 0 ? s->unit : unit);
 }
 
-mcv_result mcv_sweep_json(const mcv_sweep *s, double spent, char **text, mcv_error *error) {
+json_t *mcv_sweep_json_head(const mcv_sweep *s, double spent) {
     const mcv_table *table = &s->table;
     json_t *document = json_object();
     if (table->path[0]) {
         json_object_set_new(document, "table", mcv_json_text(table->path));
-        json_object_set_new(document, "page", json_string(table->page));
-        json_object_set_new(document, "experiment", json_string(table->sidecar));
+        json_object_set_new(document, "page", mcv_json_text(table->page));
+        json_object_set_new(document, "experiment", mcv_json_text(table->sidecar));
     }
     json_object_set_new(document, "rows", json_integer((json_int_t)table->row_count));
     json_object_set_new(document, "failed", json_integer((json_int_t)mcv_table_failed(table)));
     json_object_set_new(document, "seconds", json_real(spent));
+    json_object_set_new(document, "fingerprint", json_string(s->fingerprint));
+    return document;
+}
+
+mcv_result mcv_sweep_json(const mcv_sweep *s, double spent, char **text, mcv_error *error) {
+    json_t *document = mcv_sweep_json_head(s, spent);
     json_object_set_new(document, "stage_seconds", json_real(s->stage_seconds));
     json_object_set_new(document, "renders", json_integer((json_int_t)s->renders));
     json_object_set_new(document, "assets_read",
@@ -146,7 +152,6 @@ mcv_result mcv_sweep_json(const mcv_sweep *s, double spent, char **text, mcv_err
     json_object_set_new(document, "structures_built", json_integer((json_int_t)s->built));
     json_object_set_new(document, "programs_built", json_integer((json_int_t)s->compiled));
     json_object_set_new(document, "metrics", extremes_json(s));
-    json_object_set_new(document, "fingerprint", json_string(s->fingerprint));
     const mcv_result result = mcv_sweep_split_json(s, document, error);
     *text = result == MCV_OK ? json_dumps(document, JSON_COMPACT) : NULL;
     json_decref(document);

@@ -17,6 +17,10 @@ bool mcv_read_share(const char *text, size_t share[2]);
 /* What stands beside the scene in the experiment's file; NULL without memory. */
 json_t *mcv_sweep_settings(const mcv_command *command);
 
+/* What the reports of all experiments begin with: files, rows, seconds, fingerprint. NULL without
+ * memory. */
+json_t *mcv_sweep_json_head(const mcv_sweep *sweep, double spent);
+
 /* The whole in the end, on one line; the caller frees it. `spent`: seconds. */
 mcv_result mcv_sweep_json(const mcv_sweep *sweep, double spent, char **text, mcv_error *error);
 

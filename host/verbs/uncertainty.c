@@ -2,6 +2,7 @@
 #include "verbs/uncertainty.h"
 
 #include "analysis/metrics.h"
+#include "verbs/sweep.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -71,8 +72,7 @@ static json_t *metric_json(const mcv_study *s, size_t metric, const mcv_propagat
 }
 
 mcv_result mcv_uncertainty_json(const mcv_study *s, double spent, char **text, mcv_error *error) {
-    const mcv_table *table = &s->sweep.table;
-    json_t *document = json_object(), *metrics = json_object();
+    json_t *document = mcv_sweep_json_head(&s->sweep, spent), *metrics = json_object();
     mcv_result result = MCV_OK;
     for (size_t i = 0; i < s->sweep.measurement.count && result == MCV_OK; ++i) {
         mcv_propagated found;
@@ -81,16 +81,7 @@ mcv_result mcv_uncertainty_json(const mcv_study *s, double spent, char **text, m
             json_object_set_new(metrics, s->sweep.measurement.metrics[i].name,
                                 metric_json(s, i, &found));
     }
-    if (table->path[0]) {
-        json_object_set_new(document, "table", json_string(table->path));
-        json_object_set_new(document, "page", json_string(table->page));
-        json_object_set_new(document, "experiment", json_string(table->sidecar));
-    }
-    json_object_set_new(document, "rows", json_integer((json_int_t)table->row_count));
-    json_object_set_new(document, "failed", json_integer((json_int_t)mcv_table_failed(table)));
-    json_object_set_new(document, "seconds", json_real(spent));
     json_object_set_new(document, "metrics", metrics);
-    json_object_set_new(document, "fingerprint", json_string(s->sweep.fingerprint));
     *text = result == MCV_OK ? json_dumps(document, JSON_COMPACT) : NULL;
     json_decref(document);
     MCV_TRY(result);

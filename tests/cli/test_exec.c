@@ -1,21 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Metrics that programs of the user decide: what they get, what becomes of their answers, and of
  * programs that fail, hang or answer nonsense. */
-#include "program.h"
+#include "experiment_files.h"
 
 #include <math.h>
 
 /* A panel that fills the view of a pinhole camera of 8 x 8 pixels. */
-static const char scene[] =
-    "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0,1]}],"
-    "\"extensionsUsed\":[\"MCVISI_sensors\",\"MCVISI_emitters\"],\"extensions\":{"
-    "\"MCVISI_sensors\":{\"sensors\":[{\"name\":\"cam\",\"type\":\"pinhole\",\"imageDistance\":0."
-    "01,\"resolution\":[8,8],\"pixelSize\":0.0004}]},"
-    "\"MCVISI_emitters\":{\"emitters\":[{\"name\":\"panel\",\"type\":\"area\",\"size\":[2,2],"
-    "\"radiance\":1}]}},"
-    "\"nodes\":[{\"extensions\":{\"MCVISI_sensors\":{\"sensor\":0}}},"
-    "{\"name\":\"stand\",\"translation\":[0,0,-1],\"rotation\":[0,1,0,0],\"extensions\":{\"MCVISI_"
-    "emitters\":{\"emitter\":0}}}]}";
+static const char scene[] = PANEL_SCENE("[8,8]", "0.0004", "[2,2]", "1");
 
 /* It reads the uncompressed TIFF of 16 bits itself, and logs what it was asked. */
 static const char judge[] =
@@ -37,32 +28,15 @@ static const char judge[] =
     "    print(json.dumps({'mean': sum(values) / 64, 'found': values[0] > threshold,\n"
     "                      'words': sys.argv[1:] == ['a b', '$HOME', 'c']}), flush=True)\n";
 
-static int fresh(void **state) {
-    (void)state;
-    if (system("rm -rf ./* && mkdir tmp") != 0) return -1;
-    write_file("s.gltf", scene);
+static int fresh_with_judge(void **state) {
+    *state = (void *)scene;
+    if (fresh(state) != 0 || mkdir("tmp", 0700) != 0) return -1;
     write_file("judge.py", judge);
     return setenv("TMPDIR", "tmp", 1);
 }
 
 /* 1000 electrons for a radiance of 1, 1 DN for each: grey values of 1000 ± √1000. */
 #define CAMERA " --electrons-per-unit 1000 --full-well 4095 --bits 12 --spp 64 "
-
-static void read_numbers(const char *table, size_t row, double *numbers, size_t count) {
-    for (size_t i = 0; i <= row; ++i) table = strchr(table, '\n') + 1;
-    for (size_t i = 0; i < count; ++i) {
-        char *end;
-        numbers[i] = strtod(table, &end);
-        if (end == table) numbers[i] = NAN;
-        table = end + 1;
-    }
-}
-
-static size_t count_lines(const char *text) {
-    size_t lines = 0;
-    for (; *text; ++text) lines += *text == '\n';
-    return lines;
-}
 
 /* Arguments are a list, images are what the camera gives, and the mean over K exposures has the
  * camera's noise: √(1000/64) for one, 1/√K of it for K. */
@@ -255,14 +229,14 @@ static void test_files(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup(test_answers, fresh),
-        cmocka_unit_test_setup(test_no_second_render, fresh),
-        cmocka_unit_test_setup(test_threshold, fresh),
-        cmocka_unit_test_setup(test_validation, fresh),
-        cmocka_unit_test_setup(test_failures, fresh),
-        cmocka_unit_test_setup(test_worker_that_ends, fresh),
-        cmocka_unit_test_setup(test_refused, fresh),
-        cmocka_unit_test_setup(test_files, fresh),
+        cmocka_unit_test_setup(test_answers, fresh_with_judge),
+        cmocka_unit_test_setup(test_no_second_render, fresh_with_judge),
+        cmocka_unit_test_setup(test_threshold, fresh_with_judge),
+        cmocka_unit_test_setup(test_validation, fresh_with_judge),
+        cmocka_unit_test_setup(test_failures, fresh_with_judge),
+        cmocka_unit_test_setup(test_worker_that_ends, fresh_with_judge),
+        cmocka_unit_test_setup(test_refused, fresh_with_judge),
+        cmocka_unit_test_setup(test_files, fresh_with_judge),
     };
     return cmocka_run_group_tests(tests, enter_folder, leave_folder);
 }

@@ -4,6 +4,7 @@
 #include "test.h"
 
 #include "child.h"
+#include "experiment_files.h"
 #include "same_image.h"
 
 #ifndef KILLS
@@ -25,22 +26,6 @@ static bool kill_once(const char *line, double seconds) {
     return code != 0;
 }
 
-/* The rows without their seconds; the caller frees them. */
-static char *rows_of(const char *path) {
-    char *text = NULL, line[1024];
-    size_t size;
-    FILE *file = fopen(path, "r"), *out = open_memstream(&text, &size);
-    if (!file) fail_msg("%s: cannot be read", path);
-    while (fgets(line, sizeof line, file)) {
-        char *end = strrchr(line, ',');
-        while (end && end > line && end[-1] != ',') --end;
-        fprintf(out, "%.*s\n", end ? (int)(end - line) : 0, line);
-    }
-    fclose(file);
-    fclose(out);
-    return text;
-}
-
 static void test_killed_sweeps_end_in_the_same_rows(void **state) {
     (void)state;
     const double begun = now();
@@ -56,7 +41,7 @@ static void test_killed_sweeps_end_in_the_same_rows(void **state) {
         ++killed;
     }
     program_well(SWEEP " -o killed.csv --resume");
-    char *whole = rows_of("whole.csv"), *rows = rows_of("killed.csv");
+    char *whole = read_rows("whole.csv"), *rows = read_rows("killed.csv");
     if (strcmp(whole, rows) != 0) fail_msg("after %d kills:\n%s\n%s", killed, whole, rows);
     free(whole);
     free(rows);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* mcvisi optimize: a lamp whose best place is known in closed form, its files, and bad input. */
-#include "program.h"
+#include "experiment_files.h"
 
 #include <math.h>
 
@@ -29,11 +29,6 @@ static const char scene[] =
     "\"extensions\":{\"MCVISI_sensors\":{\"sensor\":0}}},{\"name\":\"lamp\",\"translation\":[0.5,0,"
     "0.5],\"extensions\":{\"KHR_lights_punctual\":{\"light\":0}}}]}";
 
-static int fresh(void **state) {
-    (void)state;
-    return system("rm -rf ./*") == 0 ? 0 : -1;
-}
-
 static double irradiance(double x, double z) { return z / pow(x * x + z * z, 1.5); }
 
 #define LAMP \
@@ -42,25 +37,9 @@ static double irradiance(double x, double z) { return z / pow(x * x + z * z, 1.5
     "--electrons-per-unit 2000 --read-noise 40 --full-well 5000 --spp 4 --replicates 2 " \
     "--lens-mtf none "
 
-static const json_t *at(const json_t *document, const char *path) {
-    char copy[128], *save = NULL;
-    snprintf(copy, sizeof copy, "%s", path);
-    for (char *key = strtok_r(copy, "/", &save); key; key = strtok_r(NULL, "/", &save))
-        document = *key >= '0' && *key <= '9' ? json_array_get(document, strtoul(key, NULL, 10))
-                                              : json_object_get(document, key);
-    if (!document) fail_msg("the report has no %s", path);
-    return document;
-}
-static double number(const json_t *document, const char *path) {
-    return json_number_value(at(document, path));
-}
-
-static void write_scene(void) { write_file("s.gltf", scene); }
-
 /* At most a tenth of a grid of 40 x 40, to 2 % of its best; each render has 2 % of noise there. */
 static void test_the_lamp(void **state) {
     (void)state;
-    write_scene();
     double best = 0;
     for (int i = 0; i < 40; ++i)
         for (int k = 0; k < 40; ++k) {
@@ -68,17 +47,17 @@ static void test_the_lamp(void **state) {
             if (x + z >= 0.6) best = fmax(best, irradiance(x, z));
         }
     json_t *report = program_json(LAMP "--evaluations 100 --better mean=1 --json");
-    const double x = number(report, "winner/parameters/x"),
-                 z = number(report, "winner/parameters/z"), found = irradiance(x, z);
+    const double x = number_at(report, "winner/parameters/x"),
+                 z = number_at(report, "winner/parameters/z"), found = irradiance(x, z);
     print_message("%g of %g at %g, %g after %g renders\n", found, best, x, z,
-                  number(report, "rows"));
-    assert_true(number(report, "rows") <= 160);
+                  number_at(report, "rows"));
+    assert_true(number_at(report, "rows") <= 160);
     assert_true(x + z >= 0.6);
     assert_true(found > 0.98 * best);
     /* The interval is of the winner's own value; what the search had seen is more. */
-    assert_true(number(report, "winner/interval/0") < number(report, "winner/interval/1"));
-    assert_true(number(report, "winner/as_good_within/z/0") <= z);
-    assert_true(number(report, "winner/as_good_within/z/1") >= z);
+    assert_true(number_at(report, "winner/interval/0") < number_at(report, "winner/interval/1"));
+    assert_true(number_at(report, "winner/as_good_within/z/0") <= z);
+    assert_true(number_at(report, "winner/as_good_within/z/1") >= z);
     json_decref(report);
     const char *page = read_whole("s-optimize.html");
     assert_non_null(strstr(page, "Optimisation of s.gltf"));
@@ -88,14 +67,13 @@ static void test_the_lamp(void **state) {
 /* What is rendered is not rendered again, and the end is the same. */
 static void test_resumes(void **state) {
     (void)state;
-    write_scene();
     json_t *first = program_json(LAMP "--evaluations 40 --json");
     assert_int_equal(system("cp s-optimize.csv whole.csv && head -25 whole.csv >s-optimize.csv && "
                             "printf 30,0.3,0.4,1 >>s-optimize.csv"),
                      0);
     json_t *second = program_json(LAMP "--evaluations 40 --resume --json");
-    assert_true(json_equal(at(first, "winner"), at(second, "winner")));
-    assert_true(json_equal(at(first, "rows"), at(second, "rows")));
+    assert_true(json_equal(value_at(first, "winner"), value_at(second, "winner")));
+    assert_true(json_equal(value_at(first, "rows"), value_at(second, "rows")));
     json_decref(first);
     json_decref(second);
     /* All but the seconds are the same. */
@@ -107,16 +85,15 @@ static void test_resumes(void **state) {
 /* Light at the middle against distance: the nearest lamps are the brightest. */
 static void test_two_objectives(void **state) {
     (void)state;
-    write_scene();
     json_t *report = program_json(
         "optimize s.gltf --vary nodes/lamp/translation/z=0.3..1 --vary "
         "nodes/lamp/translation/x=0,0.2,0.4 --metric mean --metric spread:=deviation/mean "
         "--objective mean=largest --objective spread=smallest --evaluations 40 --spp 4 "
         "--replicates 2 --json");
-    const json_t *front = at(report, "front");
+    const json_t *front = value_at(report, "front");
     assert_true(json_array_size(front) >= 2);
     for (size_t i = 0; i < json_array_size(front); ++i) {
-        const double x = number(json_array_get(front, i), "parameters/x");
+        const double x = number_at(json_array_get(front, i), "parameters/x");
         assert_true(x == 0 || x == 0.2 || x == 0.4);
     }
     json_decref(report);
@@ -124,7 +101,6 @@ static void test_two_objectives(void **state) {
 
 static void test_bad_input(void **state) {
     (void)state;
-    write_scene();
 #define FROM "optimize s.gltf --vary nodes/lamp/translation/x=0.1..1 --metric mean "
     program_fails("optimize s.gltf --metric mean --objective mean=largest", 2, "--vary is missing");
     program_fails(FROM, 2, "--objective is missing");
@@ -141,9 +117,8 @@ static void test_bad_input(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test_setup(test_the_lamp, fresh),
-                                       cmocka_unit_test_setup(test_resumes, fresh),
-                                       cmocka_unit_test_setup(test_two_objectives, fresh),
-                                       cmocka_unit_test_setup(test_bad_input, fresh)};
+    const struct CMUnitTest tests[] = {FRESH(test_the_lamp, scene), FRESH(test_resumes, scene),
+                                       FRESH(test_two_objectives, scene),
+                                       FRESH(test_bad_input, scene)};
     return cmocka_run_group_tests(tests, enter_folder, leave_folder);
 }

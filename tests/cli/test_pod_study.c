@@ -1,28 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* mcvisi pod of an experiment: sets are rendered with noise of their own, the table is continued,
  * and what it tells is what is known. */
-#include "program.h"
+#include "experiment_files.h"
 
 #include <math.h>
 
 /* A panel that fills the view of a pinhole camera of 8 x 8 pixels. */
-static const char scene[] =
-    "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0,1]}],"
-    "\"extensionsUsed\":[\"MCVISI_sensors\",\"MCVISI_emitters\"],\"extensions\":{"
-    "\"MCVISI_sensors\":{\"sensors\":[{\"name\":\"cam\",\"type\":\"pinhole\",\"imageDistance\":0."
-    "01,\"resolution\":[8,8],\"pixelSize\":0.0004}]},"
-    "\"MCVISI_emitters\":{\"emitters\":[{\"name\":\"panel\",\"type\":\"area\",\"size\":[2,2],"
-    "\"radiance\":1}]}},"
-    "\"nodes\":[{\"extensions\":{\"MCVISI_sensors\":{\"sensor\":0}}},"
-    "{\"name\":\"stand\",\"translation\":[0,0,-1],\"rotation\":[0,1,0,0],\"extensions\":{\"MCVISI_"
-    "emitters\":{\"emitter\":0}}}]}";
-
-static int fresh(void **state) {
-    (void)state;
-    if (system("rm -rf ./*") != 0) return -1;
-    write_file("s.gltf", scene);
-    return 0;
-}
+static const char scene[] = PANEL_SCENE("[8,8]", "0.0004", "[2,2]", "1");
 
 /* The "size" is the panel's radiance, its signal the grey value of one pixel: y = 1000 x ± the read
  * noise of 100 and the shot noise of √(1000 x), 104.9 at x = 1. */
@@ -119,10 +103,10 @@ static void test_wrong_files(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup(test_study, fresh),
-        cmocka_unit_test_setup(test_common_noise, fresh),
-        cmocka_unit_test_setup(test_program, fresh),
-        cmocka_unit_test_setup(test_wrong_files, fresh),
+        FRESH(test_study, scene),
+        FRESH(test_common_noise, scene),
+        FRESH(test_program, scene),
+        FRESH(test_wrong_files, scene),
     };
     return cmocka_run_group_tests(tests, enter_folder, leave_folder);
 }

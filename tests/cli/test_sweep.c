@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* mcvisi sweep: what it measures is what `mcvisi measure` does, its table grows by whole rows, and
  * it goes on. */
-#include "program.h"
+#include "experiment_files.h"
 
 #include "comma_locale.h"
 
@@ -9,45 +9,11 @@
 
 /* A panel of 0.4931 m before a pinhole camera: 24 x 16 pixels of 40 mm; the error is that of the
  * panel's border. */
-static const char scene[] =
-    "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0,1]}],"
-    "\"extensionsUsed\":[\"MCVISI_sensors\",\"MCVISI_emitters\"],\"extensions\":{"
-    "\"MCVISI_sensors\":{\"sensors\":[{\"name\":\"cam\",\"type\":\"pinhole\",\"imageDistance\":0."
-    "01,\"resolution\":[24,16],\"pixelSize\":0."
-    "0004}]},"
-    "\"MCVISI_emitters\":{\"emitters\":[{\"name\":\"panel\",\"type\":\"area\",\"size\":[0.4931,0."
-    "3317],\"radiance\":2.5}]}},"
-    "\"nodes\":[{\"extensions\":{\"MCVISI_sensors\":{\"sensor\":0}}},"
-    "{\"name\":\"stand\",\"translation\":[0,0,-1],\"rotation\":[0,1,0,0],\"extensions\":{\"MCVISI_"
-    "emitters\":{\"emitter\":0}}}]}";
-
-static int fresh(void **state) {
-    (void)state;
-    if (system("rm -rf ./*") != 0) return -1;
-    write_file("s.gltf", scene);
-    return 0;
-}
+static const char scene[] = PANEL_SCENE("[24,16]", "0.0004", "[0.4931,0.3317]", "2.5");
 
 #define SWEEP \
     "sweep s.gltf --vary emitters/panel/radiance=1,2,4 --region mid=8,6,8,4 --metric mid.mean " \
     "--metric mean --spp 16 --seed 3"
-
-static size_t count_lines(const char *text) {
-    size_t lines = 0;
-    for (; *text; ++text) lines += *text == '\n';
-    return lines;
-}
-
-/* The numbers of a row of the table. */
-static void read_numbers(const char *table, size_t row, double *numbers, size_t count) {
-    for (size_t i = 0; i <= row; ++i) table = strchr(table, '\n') + 1;
-    for (size_t i = 0; i < count; ++i) {
-        char *end;
-        numbers[i] = strtod(table, &end);
-        if (end == table) numbers[i] = NAN;
-        table = end + 1;
-    }
-}
 
 static void test_is_what_measure_says(void **state) {
     double row[9];
@@ -362,18 +328,18 @@ static void test_shipped_experiments(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup(test_is_what_measure_says, fresh),
-        cmocka_unit_test_setup(test_common_random_numbers, fresh),
-        cmocka_unit_test_setup(test_designs_ties_and_where, fresh),
-        cmocka_unit_test_setup(test_until, fresh),
-        cmocka_unit_test_setup(test_failing_sets_are_rows, fresh),
-        cmocka_unit_test_setup(test_resume, fresh),
-        cmocka_unit_test_setup(test_experiment_file, fresh),
-        cmocka_unit_test_setup(test_camera, fresh),
-        cmocka_unit_test_setup(test_foreign_locale, fresh),
-        cmocka_unit_test_setup(test_bad_input, fresh),
-        cmocka_unit_test_setup(test_schema, fresh),
-        cmocka_unit_test_setup(test_shipped_experiments, fresh),
+        FRESH(test_is_what_measure_says, scene),
+        FRESH(test_common_random_numbers, scene),
+        FRESH(test_designs_ties_and_where, scene),
+        FRESH(test_until, scene),
+        FRESH(test_failing_sets_are_rows, scene),
+        FRESH(test_resume, scene),
+        FRESH(test_experiment_file, scene),
+        FRESH(test_camera, scene),
+        FRESH(test_foreign_locale, scene),
+        FRESH(test_bad_input, scene),
+        FRESH(test_schema, scene),
+        FRESH(test_shipped_experiments, scene),
     };
     return cmocka_run_group_tests(tests, enter_folder, leave_folder);
 }

@@ -3,34 +3,11 @@
 #include "test.h"
 
 #include "child.h"
+#include "experiment_files.h"
 
 #define SWEEP \
     "sweep " MCV_SOURCE_DIR "/scenes/beam.gltf --vary emitters/beam/power=1..8:8 --metric mean " \
     "--spp 4 --resolution 8x8 --device reference"
-
-/* The file without its columns of seconds, which differ; the caller frees it. */
-static char *table_of(const char *path) {
-    char *text = NULL, line[1024];
-    size_t size;
-    FILE *file = fopen(path, "r"), *out = open_memstream(&text, &size);
-    if (!file) fail_msg("%s: cannot be read", path);
-    while (fgets(line, sizeof line, file)) {
-        char *end = strrchr(line, ',');
-        assert_non_null(end);
-        while (end > line && end[-1] != ',') --end;
-        fprintf(out, "%.*s\n", (int)(end - line), line);
-    }
-    fclose(file);
-    fclose(out);
-    return text;
-}
-
-static void expect_same_tables(const char *a, const char *b) {
-    char *x = table_of(a), *y = table_of(b);
-    if (strcmp(x, y) != 0) fail_msg("%s and %s differ:\n%s\n%s", a, b, x, y);
-    free(x);
-    free(y);
-}
 
 static void test_parts_make_the_table(void **state) {
     (void)state;

@@ -1,43 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* mcvisi uncertainty: a scene whose metric is known in closed form, its files, and bad input. */
-#include "program.h"
+#include "experiment_files.h"
 
 #include <math.h>
 
 /* A panel that fills the view of a pinhole camera: each pixel has its radiance, without noise. */
-static const char scene[] =
-    "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0,1]}],"
-    "\"extensionsUsed\":[\"MCVISI_sensors\",\"MCVISI_emitters\"],\"extensions\":{"
-    "\"MCVISI_sensors\":{\"sensors\":[{\"name\":\"cam\",\"type\":\"pinhole\",\"imageDistance\":0."
-    "01,\"resolution\":[12,8],\"pixelSize\":0.0001}]},"
-    "\"MCVISI_emitters\":{\"emitters\":[{\"name\":\"panel\",\"type\":\"area\",\"size\":[4,4],"
-    "\"radiance\":2.5}]}},"
-    "\"nodes\":[{\"name\":\"camera\",\"extensions\":{\"MCVISI_sensors\":{\"sensor\":0}}},"
-    "{\"name\":\"stand\",\"translation\":[0,0,-1],\"rotation\":[0,1,0,0],\"extensions\":{\"MCVISI_"
-    "emitters\":{\"emitter\":0}}}]}";
-
-static int fresh(void **state) {
-    (void)state;
-    if (system("rm -rf ./*") != 0) return -1;
-    write_file("s.gltf", scene);
-    return 0;
-}
+static const char scene[] = PANEL_SCENE("[12,8]", "0.0001", "[4,4]", "2.5");
 
 #define STUDY "uncertainty s.gltf --metric mean --spp 4 "
 #define RADIANCE "--tolerance 'emitters/panel/radiance=normal(0.1)' "
-
-static const json_t *at(const json_t *document, const char *path) {
-    char copy[128], *save = NULL;
-    snprintf(copy, sizeof copy, "%s", path);
-    for (char *key = strtok_r(copy, "/", &save); key; key = strtok_r(NULL, "/", &save))
-        document = *key >= '0' && *key <= '9' ? json_array_get(document, strtoul(key, NULL, 10))
-                                              : json_object_get(document, key);
-    if (!document) fail_msg("the report has no %s", path);
-    return document;
-}
-static double number(const json_t *document, const char *path) {
-    return json_number_value(at(document, path));
-}
 
 static void assert_near(double value, double truth, double tolerance, const char *what) {
     if (!(fabs(value - truth) <= tolerance))
@@ -50,20 +21,21 @@ static void test_the_radiance(void **state) {
     (void)state;
     json_t *report = program_json(
         STUDY RADIANCE "--tolerance 'nodes/camera/shiftZ=uniform(1mm)' --trials 100 --json");
-    assert_near(number(report, "metrics/mean/first_order/centre/value"), 2.5, 1e-6, "centre");
+    assert_near(number_at(report, "metrics/mean/first_order/centre/value"), 2.5, 1e-6, "centre");
     /* Pixels are float32. */
-    assert_near(number(report, "metrics/mean/first_order/uncertainty/value"), 0.1, 1e-6, "GUM");
-    assert_near(number(report, "metrics/mean/monte_carlo/uncertainty/value"), 0.1,
+    assert_near(number_at(report, "metrics/mean/first_order/uncertainty/value"), 0.1, 1e-6, "GUM");
+    assert_near(number_at(report, "metrics/mean/monte_carlo/uncertainty/value"), 0.1,
                 4 * 0.1 / sqrt(200), "Monte Carlo");
-    assert_true(number(report, "metrics/mean/monte_carlo/uncertainty/interval/0") < 0.1);
-    assert_true(number(report, "metrics/mean/monte_carlo/uncertainty/interval/1") > 0.1);
-    assert_string_equal(json_string_value(at(report, "metrics/mean/effects/0/parameter")),
+    assert_true(number_at(report, "metrics/mean/monte_carlo/uncertainty/interval/0") < 0.1);
+    assert_true(number_at(report, "metrics/mean/monte_carlo/uncertainty/interval/1") > 0.1);
+    assert_string_equal(json_string_value(value_at(report, "metrics/mean/effects/0/parameter")),
                         "radiance");
-    assert_near(number(report, "metrics/mean/effects/0/share"), 1, 1e-5, "share");
-    assert_near(number(report, "metrics/mean/effects/1/effect/value"), 0, 1e-6, "a shift's effect");
-    assert_true(json_is_false(at(report, "metrics/mean/nonlinear")));
+    assert_near(number_at(report, "metrics/mean/effects/0/share"), 1, 1e-5, "share");
+    assert_near(number_at(report, "metrics/mean/effects/1/effect/value"), 0, 1e-6,
+                "a shift's effect");
+    assert_true(json_is_false(value_at(report, "metrics/mean/nonlinear")));
     /* 4 repeats of the centre, 2 · 2 steps and 2 · 2 of all together; 100 trials. */
-    assert_near(number(report, "rows"), 4 * 9 + 100, 0, "rows");
+    assert_near(number_at(report, "rows"), 4 * 9 + 100, 0, "rows");
     json_decref(report);
     const char *page = read_whole("s-uncertainty.html");
     assert_non_null(strstr(page, "Uncertainty of s.gltf"));
@@ -78,8 +50,8 @@ static void test_a_tie_follows(void **state) {
                "normal(10mm,0.1mm)\", \"tie\": \"emitters/panel/radiance=300*imageDistance\", "
                "\"metric\": \"mean\", \"spp\": 4, \"trials\": 0}");
     json_t *report = program_json("uncertainty e.json --json");
-    assert_near(number(report, "metrics/mean/first_order/uncertainty/value"), 0.03, 1e-6, "GUM");
-    assert_null(json_object_get(at(report, "metrics/mean"), "monte_carlo"));
+    assert_near(number_at(report, "metrics/mean/first_order/uncertainty/value"), 0.03, 1e-6, "GUM");
+    assert_null(json_object_get(value_at(report, "metrics/mean"), "monte_carlo"));
     json_decref(report);
     assert_int_equal(system("test -s e-uncertainty.csv -a -s e-uncertainty.json -a -s "
                             "e-uncertainty.html"),
@@ -100,10 +72,10 @@ static void test_resumes(void **state) {
     for (size_t i = 0; i < sizeof same / sizeof same[0]; ++i) {
         char path[64];
         snprintf(path, sizeof path, "metrics/mean/%s", same[i]);
-        assert_near(number(second, path), number(first, path), 1e-8, path);
+        assert_near(number_at(second, path), number_at(first, path), 1e-8, path);
     }
     /* One parameter: both indices are 1. */
-    assert_near(number(second, "metrics/mean/effects/0/total_index/value"), 1, 0.7, "T");
+    assert_near(number_at(second, "metrics/mean/effects/0/total_index/value"), 1, 0.7, "T");
     json_decref(first);
     json_decref(second);
     assert_int_equal(system("head -30 s-uncertainty.csv | cmp - part.csv"), 0);
@@ -128,9 +100,8 @@ static void test_bad_input(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test_setup(test_the_radiance, fresh),
-                                       cmocka_unit_test_setup(test_a_tie_follows, fresh),
-                                       cmocka_unit_test_setup(test_resumes, fresh),
-                                       cmocka_unit_test_setup(test_bad_input, fresh)};
+    const struct CMUnitTest tests[] = {FRESH(test_the_radiance, scene),
+                                       FRESH(test_a_tie_follows, scene), FRESH(test_resumes, scene),
+                                       FRESH(test_bad_input, scene)};
     return cmocka_run_group_tests(tests, enter_folder, leave_folder);
 }

@@ -65,8 +65,8 @@ static inline json_t *program_json(const char *line) {
     return value;
 }
 
-/* The number at a path of keys and indices, as in "regions/0/mean/value". */
-static inline double number_at(const json_t *object, const char *path) {
+/* What is at a path of keys and indices, as in "regions/0/mean/value". */
+static inline const json_t *value_at(const json_t *object, const char *path) {
     char copy[256], *rest = NULL;
     snprintf(copy, sizeof copy, "%s", path);
     for (char *key = strtok_r(copy, "/", &rest); key; key = strtok_r(NULL, "/", &rest)) {
@@ -74,7 +74,11 @@ static inline double number_at(const json_t *object, const char *path) {
                                        : json_object_get(object, key);
         if (!object) fail_msg("%s: there is no %s", path, key);
     }
-    return json_number_value(object);
+    return object;
+}
+
+static inline double number_at(const json_t *object, const char *path) {
+    return json_number_value(value_at(object, path));
 }
 
 static inline void write_file(const char *path, const char *text) {

@@ -36,13 +36,16 @@ static void damage(const char *path, int how) {
     free(zeros);
 }
 
+/* A folder with a scene and an empty cache. */
+static int enter_with_cache(void **state) {
+    const int entered = enter_folder(state);
+    if (entered != 0 || system("cp " MCV_SOURCE_DIR "/scenes/beam.gltf .") != 0) return -1;
+    setenv("POCL_CACHE_DIR", "cache", 1);
+    return mkdir("cache", 0700);
+}
+
 static void test_damaged(void **state) {
     (void)state;
-    char line[1024];
-    snprintf(line, sizeof line, "cp %s/scenes/beam.gltf .", MCV_SOURCE_DIR);
-    assert_int_equal(system(line), 0);
-    assert_int_equal(mkdir("cache", 0700), 0);
-    setenv("POCL_CACHE_DIR", "cache", 1);
     program_well(render);
     nftw("cache", collect, 16, FTW_PHYS);
     if (file_count == 0) skip(); /* no PoCL, or a PoCL without such files */
@@ -65,11 +68,6 @@ static void test_damaged(void **state) {
  */
 static void test_files_of_others(void **state) {
     (void)state;
-    char line[1024];
-    snprintf(line, sizeof line, "cp %s/scenes/beam.gltf .", MCV_SOURCE_DIR);
-    assert_int_equal(system(line), 0);
-    assert_int_equal(mkdir("cache", 0700), 0);
-    setenv("POCL_CACHE_DIR", "cache", 1);
     assert_int_equal(system("echo half > cache/tempfile_a1b2c3.so"), 0);
     assert_int_equal(system("echo half > cache/other.so"), 0);
     program_well(render);
@@ -88,8 +86,8 @@ static void test_empty(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test_setup_teardown(test_damaged, enter_folder, leave_folder),
-        cmocka_unit_test_setup_teardown(test_files_of_others, enter_folder, leave_folder),
+        cmocka_unit_test_setup_teardown(test_damaged, enter_with_cache, leave_folder),
+        cmocka_unit_test_setup_teardown(test_files_of_others, enter_with_cache, leave_folder),
         cmocka_unit_test_setup_teardown(test_empty, enter_folder, leave_folder)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
