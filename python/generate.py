@@ -65,8 +65,8 @@ def schema(library: ctypes.CDLL, verb: str) -> Dict[str, Any]:
 
 
 BOXES = ("region", "edge", "caliper", "circle", "arc")
-PLURAL = (*BOXES, "line", "metric", "tie")
-NAMED = ("metric", "tie", "until", "index")
+PLURAL = (*BOXES, "line", "metric", "tie", "objective")
+NAMED = ("metric", "tie", "until", "index", "objective", "better", "correlate")
 
 
 def type_of(name: str, option: Dict[str, Any]) -> str:
@@ -254,6 +254,22 @@ RIG_VERBS = [
         without="tolerance rig fingerprint",
     ),
     Verb(
+        "pod",
+        "sweep",
+        "The probability of detection of an experiment, whose sets are rendered first: from which\n"
+        "size on are defects found? Each set has noise of its own.\n\n"
+        "vary: paths and their values: a list, mcvisi.linear(first, last, count) or mcvisi.log.\n"
+        "study: options of mcvisi.pod_table, as in {\"size\": \"depth\", \"signal\": \"contrast\",\n"
+        "    \"threshold\": 5}.\n"
+        "progress: None for a bar in a terminal or notebook, False for none.\n"
+        "session: the Session to use, by default one for all.",
+        'vary: "Mapping[str, Values]"; study: Mapping[str, Any]; '
+        "progress: Optional[Literal[False]] = None; session: Optional[Session] = None",
+        "Detection",
+        "return self._pod(vary, study, progress, session, options)",
+        without="vary rig fingerprint pod noise",
+    ),
+    Verb(
         "explain",
         "explain",
         "Which light makes a pixel: a list of routes from the camera to an emitter, each with its\n"
@@ -430,6 +446,7 @@ from __future__ import annotations
 from typing import TYPE_CHECKING, Any, Dict, Literal, Mapping, Optional, Sequence, Union
 
 if TYPE_CHECKING:
+    from mcvisi.detection import Detection
     from mcvisi.findings import Findings
     from mcvisi.image import Image
     from mcvisi.measurement import Measurement

@@ -101,3 +101,70 @@ mcv_result mcv_pod_values(const double *sizes, const double *values, size_t coun
     MCV_INSIDE(result, pod_values(&columns, hits, options, report, error));
     return result;
 }
+
+/* --- experiments --- */
+
+/* What the options of an experiment say, apart. */
+typedef struct experiment {
+    char *sweep, *study; /* the options of each */
+    const char *table;   /* inside of object: */
+    json_t *object;
+} experiment;
+
+static void experiment_free(experiment *e) {
+    free(e->sweep);
+    free(e->study);
+    json_decref(e->object);
+}
+
+/* What is wrong with the study is told before the first set is rendered. */
+static mcv_result check_study(const experiment *e, mcv_error *error) {
+    const char *const arguments[2] = {e->table};
+    mcv_options_given given;
+    mcv_column_names names;
+    mcv_pod_asked asked;
+    bool hits;
+    MCV_TRY(mcv_options_read(e->study, NULL, MCV_VERB_POD, arguments, NULL, &given, error));
+    mcv_result result = mcv_pod_names_of(&given.command, &names, &hits, error);
+    if (result == MCV_OK) result = mcv_pod_asked_of(&given.command, hits, &asked, error);
+    if (result == MCV_OK && given.command.pod_page)
+        result = mcv_output_check(given.command.pod_page, error);
+    mcv_options_free(&given);
+    return result;
+}
+
+static mcv_result experiment_read(const char *options, experiment *e, mcv_error *error) {
+    MCV_TRY(mcv_options_object(options, &e->object, error));
+    json_t *study = json_object_get(e->object, "pod"), *json = json_object_get(e->object, "json");
+    e->table = json_string_value(json_object_get(e->object, "output"));
+    if (!e->table)
+        return mcv_fail(error, MCV_USAGE,
+                        "options: output: is missing: the table of the sets, as in \"study.csv\"");
+    if (!json_is_object(study))
+        return mcv_fail(error, MCV_USAGE,
+                        "options: pod: is missing: what to tell, as in \"pod\": {\"size\": "
+                        "\"depth\", \"signal\": \"contrast\", \"threshold\": \"5\"}");
+    if (json) json_object_set(study, "json", json);
+    e->study = json_dumps(study, JSON_REAL_PRECISION(17));
+    json_object_del(e->object, "pod");
+    /* With common random numbers all defects would have one noise, and its spread were not seen. */
+    if (!json_object_get(e->object, "noise"))
+        json_object_set_new(e->object, "noise", json_string("own"));
+    e->sweep = json_dumps(e->object, JSON_REAL_PRECISION(17));
+    return e->study && e->sweep ? check_study(e, error)
+                                : mcv_fail(error, MCV_FAILED, "no memory for the options");
+}
+
+mcv_result mcv_session_pod(mcv_session *session, const mcv_rig *rig, const char *options,
+                           mcv_told_call *told, void *user, char **report, mcv_error *error) {
+    experiment e = {NULL};
+    mcv_result result;
+    MCV_NEED(report);
+    *report = NULL;
+    MCV_INSIDE(result, experiment_read(options, &e, error));
+    if (result == MCV_OK)
+        result = mcv_session_sweep(session, rig, e.sweep, told, user, NULL, error);
+    if (result == MCV_OK) result = mcv_pod_table(e.table, e.study, report, error);
+    experiment_free(&e);
+    return result;
+}

@@ -12,48 +12,32 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* The study of a table: options of the command line stand before those of `given`, or NULL. */
-static mcv_result study_table(const mcv_command *command, const char *table, const json_t *given,
-                              mcv_error *error) {
+static mcv_result study_table(const mcv_command *command, mcv_error *error) {
     static const char *const without[] = {"allow-exec", NULL};
-    char *own = NULL, *report = NULL;
-    MCV_TRY(mcv_client_options(command, without, &own, error));
-    json_t *options = given ? json_deep_copy(given) : json_object(),
-           *above = json_loads(own, 0, NULL);
-    json_object_update(options, above);
-    json_object_del(options, "allow-exec");
-    char *text = json_dumps(options, JSON_REAL_PRECISION(17));
-    json_decref(above);
-    json_decref(options);
-    free(own);
-    mcv_result result = text ? mcv_pod_table(table, text, &report, error)
-                             : mcv_fail(error, MCV_FAILED, "no memory for the options");
-    free(text);
+    char *options = NULL, *report = NULL;
+    MCV_TRY(mcv_client_options(command, without, &options, error));
+    mcv_result result = mcv_pod_table(command->argument, options, &report, error);
+    free(options);
     if (result == MCV_OK) result = mcv_client_print(report, command->json, error);
     return result;
 }
 
 /* --- experiments --- */
 
-/* Renders what the table does not have yet. `experiment`: the options of a sweep. */
-static mcv_result render(const mcv_command *c, const char *rig_path, json_t *experiment,
-                         const char *table, mcv_error *error) {
+/* Renders what the table does not have yet, and studies it. `experiment`: options of the library.
+ */
+static mcv_result run(const mcv_command *c, const char *rig_path, const json_t *experiment,
+                      mcv_error *error) {
     mcv_session *session = NULL;
     mcv_rig *rig = NULL;
-    json_object_set_new(experiment, "output", json_string(table));
-    json_object_set_new(experiment, "resume", json_true());
-    /* With common random numbers all defects would have one noise, and its spread were not seen. */
-    if (!json_object_get(experiment, "noise"))
-        json_object_set_new(experiment, "noise", json_string("own"));
-    json_object_set_new(experiment, "json", json_boolean(c->json));
-    if (c->allow_exec) json_object_set_new(experiment, "allow-exec", json_true());
-    char *options = json_dumps(experiment, JSON_REAL_PRECISION(17));
+    char *report = NULL, *options = json_dumps(experiment, JSON_REAL_PRECISION(17));
     mcv_result result = options ? mcv_session_open(NULL, &session, error)
                                 : mcv_fail(error, MCV_FAILED, "no memory for the options");
     if (result == MCV_OK) result = mcv_rig_open(rig_path, &rig, error);
     mcv_interrupt_watch(false);
     if (result == MCV_OK)
-        result = mcv_session_sweep(session, rig, options, mcv_client_told, (void *)c, NULL, error);
+        result = mcv_session_pod(session, rig, options, mcv_client_told, (void *)c, &report, error);
+    if (result == MCV_OK) result = mcv_client_print(report, c->json, error);
     mcv_rig_free(rig);
     mcv_session_close(session);
     free(options);
@@ -74,24 +58,39 @@ static mcv_result check(const json_t *document, const char *path, mcv_error *err
                           path);
 }
 
-static mcv_result study_document(const mcv_command *c, json_t *document, mcv_error *error) {
-    char rig[PATH_MAX], *table = NULL, *page = NULL;
-    MCV_TRY(check(document, c->argument, error));
-    MCV_TRY(mcv_client_rig(document, c->argument, rig, error));
-    json_t *told = json_incref(json_object_get(document, "pod"));
-    json_object_del(document, "pod");
-    json_object_del(document, "rig");
-    json_object_del(document, "fingerprint");
+/* The options of the command line stand before those of the file; outputs are named after it. */
+static mcv_result complete(const mcv_command *c, json_t *document, mcv_error *error) {
+    static const char *const without[] = {"allow-exec", NULL};
+    json_t *study = json_object_get(document, "pod");
+    char *own = NULL, *table = NULL, *page = NULL;
+    MCV_TRY(mcv_client_options(c, without, &own, error));
+    json_t *above = json_loads(own, 0, NULL);
+    free(own);
     mcv_result result = mcv_client_name(c->argument, "-sweep.csv", &table, error);
     if (result == MCV_OK) result = mcv_client_name(c->argument, "-pod.html", &page, error);
-    if (result == MCV_OK && !json_object_get(told, "output"))
-        json_object_set_new(told, "output", json_string(page));
-    if (result == MCV_OK) result = render(c, rig, document, table, error);
-    if (result == MCV_OK) result = study_table(c, table, told, error);
-    json_decref(told);
+    if (result == MCV_OK) {
+        json_object_update(study, above);
+        if (!json_object_get(study, "output"))
+            json_object_set_new(study, "output", json_string(page));
+        json_object_del(document, "rig");
+        json_object_del(document, "fingerprint");
+        json_object_set_new(document, "output", json_string(table));
+        json_object_set_new(document, "resume", json_true());
+        json_object_set_new(document, "json", json_boolean(c->json));
+        if (c->allow_exec) json_object_set_new(document, "allow-exec", json_true());
+    }
+    json_decref(above);
     free(table);
     free(page);
     return result;
+}
+
+static mcv_result study_document(const mcv_command *c, json_t *document, mcv_error *error) {
+    char rig[PATH_MAX];
+    MCV_TRY(check(document, c->argument, error));
+    MCV_TRY(mcv_client_rig(document, c->argument, rig, error));
+    MCV_TRY(complete(c, document, error));
+    return run(c, rig, document, error);
 }
 
 static mcv_result study_experiment(const mcv_command *c, mcv_error *error) {
@@ -107,7 +106,6 @@ static mcv_result study_experiment(const mcv_command *c, mcv_error *error) {
 }
 
 mcv_result mcv_verb_pod(const mcv_command *command, mcv_error *error) {
-    return mcv_ends_in(command->argument, ".json")
-               ? study_experiment(command, error)
-               : study_table(command, command->argument, NULL, error);
+    return mcv_ends_in(command->argument, ".json") ? study_experiment(command, error)
+                                                   : study_table(command, error);
 }

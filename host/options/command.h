@@ -75,6 +75,10 @@ typedef struct mcv_options_given {
     mcv_arguments line;
 } mcv_options_given;
 
+/* The text of options as an object, {} for NULL and ""; to be freed. MCV_USAGE for other JSON, with
+ * a sentence that begins with "options: ". */
+mcv_result mcv_options_object(const char *text, json_t **object, mcv_error *error);
+
 /*
  * Reads them; those of `defaults`, an object or NULL, that the verb has count where the text says
  * nothing. `arguments` are the verb's, NULL for what it has not; `without`: names that are refused,

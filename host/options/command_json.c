@@ -195,18 +195,24 @@ void mcv_arguments_free(mcv_arguments *arguments) {
     *arguments = (mcv_arguments){0};
 }
 
+mcv_result mcv_options_object(const char *text, json_t **object, mcv_error *error) {
+    json_error_t wrong;
+    *object = json_loads(text && text[0] ? text : "{}", JSON_REJECT_DUPLICATES, &wrong);
+    if (!*object)
+        return mcv_fail(error, MCV_USAGE, "options: line %d column %d is not JSON: %s", wrong.line,
+                        wrong.column, mcv_json_wrong(&wrong));
+    if (json_is_object(*object)) return MCV_OK;
+    json_decref(*object);
+    *object = NULL;
+    return mcv_fail(error, MCV_USAGE, "options: must be a JSON object, as in {\"spp\": 64}");
+}
+
 static mcv_result read_texts(const char *text, const json_t *defaults, unsigned verb,
                              const char *const arguments[2], mcv_arguments *line, bool *people,
                              mcv_error *error) {
-    json_error_t wrong;
-    json_t *object = text && text[0] ? json_loads(text, JSON_REJECT_DUPLICATES, &wrong) : NULL;
-    if (text && text[0] && !object)
-        return mcv_fail(error, MCV_USAGE, "options: line %d column %d is not JSON: %s", wrong.line,
-                        wrong.column, mcv_json_wrong(&wrong));
-    mcv_result result =
-        !object || json_is_object(object)
-            ? MCV_OK
-            : mcv_fail(error, MCV_USAGE, "options: must be a JSON object, as in {\"spp\": 64}");
+    json_t *object;
+    MCV_TRY(mcv_options_object(text, &object, error));
+    mcv_result result = MCV_OK;
     const char *const words[] = {"mcvisi", mcv_verbs[verb].name};
     for (int i = 0; i < 2 && result == MCV_OK; ++i)
         result = add_argument(line, strdup(words[i]), error);

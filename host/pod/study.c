@@ -80,10 +80,6 @@ static mcv_result find_threshold(mcv_pod_study *s, mcv_error *error) {
     }
     s->threshold = s->asked.threshold;
     if (!isnan(s->threshold)) return MCV_OK;
-    if (isnan(s->asked.false_calls))
-        return mcv_fail(error, MCV_USAGE,
-                        "--threshold is missing: from which signal on is a defect detected? Or "
-                        "give --false-calls and rows of flawless parts, of size 0");
     if (isnan(s->noise_mean))
         return mcv_fail(error, MCV_BAD_INPUT,
                         "--false-calls needs signals of at least %d flawless parts that differ: "

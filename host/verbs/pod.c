@@ -34,6 +34,10 @@ mcv_result mcv_pod_asked_of(const mcv_command *c, bool hits, mcv_pod_asked *aske
         return mcv_fail(error, MCV_USAGE,
                         "--threshold, --false-calls, --lost-below and --saturated-above are for "
                         "signals, not for hits");
+    if (!hits && !c->threshold && !c->false_calls)
+        return mcv_fail(error, MCV_USAGE,
+                        "--threshold is missing: from which signal on is a defect detected? Or "
+                        "give --false-calls and rows of flawless parts, of size 0");
     if (c->false_calls && !(asked->false_calls > 0 && asked->false_calls < 1))
         return mcv_fail(error, MCV_USAGE, "--false-calls %s: must be above 0 and below 1",
                         c->false_calls);

@@ -338,6 +338,17 @@ MCV_API mcv_result mcv_pod_table(const char *table, const char *options, char **
 MCV_API mcv_result mcv_pod_values(const double *sizes, const double *values, size_t count,
                                   bool hits, const char *options, char **report, mcv_error *error);
 
+/*
+ * The same of an experiment, whose sets are rendered first. Options are those of `mcvisi sweep`:
+ * "output", the table, must be there, and "resume" goes on with it. Their member "pod" is an object
+ * of those of `mcvisi pod`. "noise" is "own" by default: with one noise for all defects its spread
+ * would not be seen. Rows and notes are told as by mcv_session_sweep. *report: that of
+ * mcv_pod_table. What is wrong with the member "pod" is MCV_USAGE before the first set.
+ */
+MCV_API mcv_result mcv_session_pod(mcv_session *session, const mcv_rig *rig, const char *options,
+                                   mcv_told_call *told, void *user, char **report,
+                                   mcv_error *error);
+
 /* --- defects --- */
 
 /*

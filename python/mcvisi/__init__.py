@@ -15,6 +15,7 @@ Failures are exceptions with one sentence: mcvisi.Error and its classes.
 
 from mcvisi._verbs import import_lens, merge, new, pod_table, pod_values
 from mcvisi._version import __version__
+from mcvisi.detection import Detection
 from mcvisi.errors import BadInput, DeviceError, Error, PathError, UsageError
 from mcvisi.findings import Finding, Findings
 from mcvisi.image import Comparison, Image, compare, read
@@ -31,6 +32,7 @@ from mcvisi.uncertainty import Uncertainty
 __all__ = [
     "BadInput",
     "Comparison",
+    "Detection",
     "DeviceError",
     "Error",
     "Figures",

@@ -3,11 +3,17 @@
 
 from __future__ import annotations
 
-from typing import Any, Mapping
+import os
+from typing import TYPE_CHECKING, Any, Mapping
 
 from mcvisi.errors import UsageError
 from mcvisi.library import ffi, json_of, path_bytes
 from mcvisi.options import Path, options_json
+from mcvisi.sweep import Sweep
+
+if TYPE_CHECKING:
+    from mcvisi.rig import Rig
+    from mcvisi.session import Session
 
 
 def table_report(table: Path, options: Mapping[str, Any]) -> Mapping[str, Any]:
@@ -46,3 +52,36 @@ def values_report(
         options_json(options),
     )
     return found
+
+
+class Detection(Sweep):
+    """
+    A study of the probability of detection. Its rows are the sets that were rendered, as a
+    sweep's are; answer is what they say, and waits for the end; report is then the whole of it.
+    """
+
+    _function = "mcv_session_pod"
+    _grid = False
+
+    def __init__(
+        self,
+        rig: "Rig",
+        session: "Session",
+        vary: Any,
+        study: Any,
+        progress: Any,
+        options: Mapping[str, Any],
+    ) -> None:
+        if not isinstance(study, Mapping):
+            raise UsageError('study: must be a dictionary, as in {"size": "depth", "hit": "found"}')
+        super().__init__(rig, session, vary, progress, options)
+        self._options["pod"] = {"output": self._page(), **study}
+        self._words = session._options(self._options)
+
+    def _page(self) -> str:
+        return os.path.splitext(str(self._options["output"]))[0] + "-pod.html"
+
+    @property
+    def answer(self) -> str:
+        """From which size on defects are found, in a sentence; waits for the end."""
+        return str(self._end()["answer"])

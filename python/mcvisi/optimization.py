@@ -17,11 +17,6 @@ class Optimization(Sweep):
     _function = "mcv_session_optimize"
     _grid = False
 
-    def _end(self) -> Mapping[str, Any]:
-        while self._advance():
-            pass
-        return self.report
-
     @property
     def winner(self) -> Mapping[str, Any]:
         """

@@ -105,6 +105,8 @@ def _value(option: str, value: Any) -> Any:
     name = REPEATED[option][0] if option in REPEATED else option.replace("-", "_")
     if option in REPEATED:
         return _named(value, name, REPEATED[option][1])
+    if option == "pod" and isinstance(value, Mapping):
+        return json.loads(options_json(value))
     if option in _SIGNS:
         return joined(value, name, _SIGNS[option])
     if _is_list(value):

@@ -30,6 +30,7 @@ from mcvisi.options import Path, joined, options_json
 from mcvisi.session import ProgressOption, Session, session_of
 
 if TYPE_CHECKING:
+    from mcvisi.detection import Detection
     from mcvisi.image import Image
     from mcvisi.optimization import Optimization
     from mcvisi.sweep import Sweep
@@ -410,6 +411,18 @@ class Rig(RigVerbs, Handle):
         from mcvisi.uncertainty import Uncertainty
 
         return Uncertainty(self, session_of(session), tolerance, progress, options)
+
+    def _pod(
+        self,
+        vary: Any,
+        study: Any,
+        progress: Any,
+        session: Optional[Session],
+        options: Mapping[str, Any],
+    ) -> "Detection":
+        from mcvisi.detection import Detection
+
+        return Detection(self, session_of(session), vary, study, progress, options)
 
 
 def _few(names: List[str]) -> str:

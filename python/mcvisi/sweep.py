@@ -94,6 +94,7 @@ class Sweep:
         self._rows: List[Row] = []
         self._job: Optional[Job] = None
         self._ended = False
+        self._failure: Optional[BaseException] = None  # to be raised again
         self._lock = threading.Lock()
         #: What is odd in the scene, in sentences.
         self.notes: List[str] = []
@@ -154,6 +155,8 @@ class Sweep:
     def _advance(self) -> bool:
         """Waits for a row; False at the end."""
         with self._lock:
+            if self._failure is not None:
+                raise self._failure
             if self._ended:
                 return False
             if self._job is None:
@@ -164,8 +167,11 @@ class Sweep:
             except KeyboardInterrupt:
                 self._stop()
                 raise
-            except BaseException:
+            except BaseException as failure:
                 self._ended = True
+                # list() hides a TypeError of __len__. After others the rows are what there is.
+                if not self._rows or isinstance(failure, TypeError):
+                    self._failure = failure
                 raise
             if more:
                 self._rows.append(item)
@@ -213,9 +219,14 @@ class Sweep:
     @property
     def rows(self) -> List[Row]:
         """All rows; waits for the end."""
+        self._end()
+        return list(self._rows)
+
+    def _end(self) -> Mapping[str, Any]:
+        """The report; waits for the end."""
         while self._advance():
             pass
-        return list(self._rows)
+        return self.report
 
     def __len__(self) -> int:
         return len(self.rows)
@@ -301,9 +312,12 @@ class Sweep:
 
     # Notebooks.
 
+    def _page(self) -> str:
+        return os.path.splitext(str(self._options["output"]))[0] + ".html"
+
     def _repr_html_(self) -> Optional[str]:
         """The page of plots, in a frame of its own."""
-        page = os.path.splitext(str(self._options["output"]))[0] + ".html"
+        page = self._page()
         if not os.path.exists(page):
             return None
         with open(page, encoding="utf-8") as file:

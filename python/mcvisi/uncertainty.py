@@ -25,7 +25,5 @@ class Uncertainty(Sweep):
         95 % "interval"; "nonlinear"; and "effects", a list with the largest contribution first.
         Numbers are in SI units.
         """
-        while self._advance():
-            pass
-        found: Mapping[str, Any] = self.report.get("metrics", {})
+        found: Mapping[str, Any] = self._end().get("metrics", {})
         return found

@@ -6,6 +6,7 @@
 #include "program.h"
 
 #include <math.h>
+#include <unistd.h>
 
 static void write_text(const char *path, const char *text) {
     FILE *file = fopen(path, "w");
@@ -251,12 +252,102 @@ static void test_the_verb(void **state) {
     program_fails("pod", 2, "TABLE.csv|EXPERIMENT.json is missing");
 }
 
+/* --- experiments --- */
+
+/* The "size" is the sky's radiance, its signal the grey value of one pixel: y = 1000 x ± the read
+ * noise of 100 and the shot noise of √(1000 x), 104.9 at x = 1. */
+#define EXPERIMENT(study, more) \
+    "{\"vary\": \"emitters/sky/radiance=0.4..1.6:40\", \"region\": \"mid=4,4,1,1\", \"metric\": " \
+    "\"grey:=mid.mean\", \"electrons-per-unit\": 1000, \"full-well\": 4095, \"bits\": 12, " \
+    "\"read-noise\": 100, \"spp\": 4, \"pod\": {\"size\": \"radiance\", \"size-unit\": " \
+    "\"none\"" study "}" more "}"
+#define STUDY \
+    ", \"signal\": \"grey\", \"threshold\": 1000, \"size-scale\": \"linear\", \"signal-scale\": " \
+    "\"linear\""
+#define TABLE ", \"output\": \"sky.csv\""
+
+static unsigned rows;
+
+/* Goes on with the first four sets. */
+static bool four(void *user, const char *row) {
+    (void)user;
+    rows += row && strstr(row, "\"set\"") != NULL;
+    return rows < 4;
+}
+
+static bool all(void *user, const char *row) {
+    (void)user;
+    rows += row && strstr(row, "\"set\"") != NULL;
+    return true;
+}
+
+/* An interrupted one goes on; its report is that of its table. */
+static void test_experiment(void **state) {
+    mcv_session *session = open_session("{\"device\": \"reference\", \"threads\": 1}");
+    mcv_rig *rig = parse_rig(sky_rig);
+    char *report = NULL, *same = NULL;
+    (void)state;
+    rows = 0;
+    FAILS(MCV_INTERRUPTED, "",
+          mcv_session_pod(session, rig, EXPERIMENT(STUDY, TABLE), four, NULL, &report, &error));
+    assert_null(report);
+    assert_int_equal(rows, 4);
+    WELL(mcv_session_pod(session, rig, EXPERIMENT(STUDY, TABLE ", \"resume\": true"), all, NULL,
+                         &report, &error));
+    assert_int_equal(rows, 40);
+    json_t *r = json_loads(report, 0, NULL);
+    /* As known as the mean of 40 sets is: four of these. */
+    const double a50 = number(r, "a50", "value");
+    if (!(fabs(a50 - 1) < 4 * 0.105 / sqrt(40))) fail_msg("a50 %g: must be 1", a50);
+    json_decref(r);
+    WELL(mcv_pod_table("sky.csv", "{\"size\": \"radiance\", \"size-unit\": \"none\"" STUDY "}",
+                       &same, &error));
+    assert_string_equal(report, same);
+    mcv_text_free(same);
+    mcv_text_free(report);
+    mcv_rig_free(rig);
+    mcv_session_close(session);
+}
+
+/* What cannot be studied is not rendered. */
+static void test_experiment_refused(void **state) {
+    static const struct {
+        const char *options, *words;
+    } cases[] = {
+        {NULL, "output: is missing"},
+        {"{\"output\": \"not.csv\"}", "pod: is missing"},
+        {EXPERIMENT(STUDY, ""), "output: is missing"},
+        {EXPERIMENT("", ", \"output\": \"not.csv\""), "give --signal or --hit"},
+        {EXPERIMENT(", \"signal\": \"grey\"", ", \"output\": \"not.csv\""),
+         "--threshold is missing"},
+        {EXPERIMENT(", \"sgnal\": \"x\"", ", \"output\": \"not.csv\""), "sgnal"},
+        {EXPERIMENT(", \"signal\": \"grey\", \"threshold\": \"high\"", ", \"output\": \"not.csv\""),
+         "must be a number"},
+        {"[]", "must be a JSON object"},
+    };
+    mcv_session *session = open_session("{\"device\": \"reference\"}");
+    mcv_rig *rig = parse_rig(sky_rig);
+    char *report = NULL;
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        FAILS(MCV_USAGE, cases[i].words,
+              mcv_session_pod(session, rig, cases[i].options, all, NULL, &report, &error));
+        assert_null(report);
+    }
+    FAILS(MCV_USAGE, "must not be NULL",
+          mcv_session_pod(session, NULL, EXPERIMENT(STUDY, TABLE), all, NULL, &report, &error));
+    assert_int_not_equal(access("not.csv", F_OK), 0);
+    mcv_rig_free(rig);
+    mcv_session_close(session);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_page),      cmocka_unit_test(test_page_without_bound),
-        cmocka_unit_test(test_table),     cmocka_unit_test(test_defects),
-        cmocka_unit_test(test_no_number), cmocka_unit_test(test_refused),
-        cmocka_unit_test(test_values),    cmocka_unit_test(test_the_verb),
+        cmocka_unit_test(test_page),       cmocka_unit_test(test_page_without_bound),
+        cmocka_unit_test(test_table),      cmocka_unit_test(test_defects),
+        cmocka_unit_test(test_no_number),  cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_values),     cmocka_unit_test(test_the_verb),
+        cmocka_unit_test(test_experiment), cmocka_unit_test(test_experiment_refused),
     };
     return cmocka_run_group_tests(tests, enter_folder, leave_folder);
 }

@@ -43,3 +43,46 @@ def test_refused(tmp_path):
         mv.pod_values("no", signals, threshold="8")
     with pytest.raises(mv.BadInput, match="none.csv"):
         mv.pod_table(tmp_path / "none.csv", hit="x")
+
+
+# The grey value of a pixel before the backlight: the "size" is the radiance. At 1 it is 0.0491 W/m^2,
+# and so some 1000 electrons.
+STUDY = {"size": "radiance", "signal": "grey", "size_unit": "none"}
+SCALES = {"size_scale": "linear", "signal_scale": "linear"}
+CAMERA = {"electrons_per_unit": 1000 / 0.0491, "full_well": 4095, "bits": 12, "read_noise": 100}
+
+
+def study_of(rig, study, **options):
+    return rig.pod(
+        {"emitters/light/radiance": mv.linear(0.4, 1.6, 24)},
+        study,
+        metrics={"grey": "mid.mean"},
+        regions={"mid": (4, 4, 1, 1)},
+        spp=4,
+        progress=False,
+        **{**CAMERA, **options},
+    )
+
+
+def test_an_experiment(rig, tmp_path):
+    told = {**STUDY, **SCALES, "threshold": 1000}
+    study = study_of(rig, told, output=tmp_path / "t.csv")
+    answer = study.answer
+    assert len(study) == 24 and all(row.message is None for row in study)
+    # The grey value is 1000 x with a noise of 105: known to 105/√24 where it crosses; four of these.
+    assert study.report["a50"]["value"] == pytest.approx(1, abs=4 * 0.105 / 24**0.5)
+    # The same of the table that the sweep has written.
+    table = mv.pod_table(tmp_path / "t.csv", **{**told, "threshold": "1000"})
+    assert answer == table["answer"] and study.report["curve"] == table["curve"]
+    assert "srcdoc" in study._repr_html_() and (tmp_path / "t-pod.html").exists()
+
+
+def test_an_experiment_refused(rig):
+    with pytest.raises(mv.UsageError, match="study: must be a dictionary"):
+        study_of(rig, "size=radiance")
+    with pytest.raises(mv.UsageError, match="threshold"):
+        list(study_of(rig, STUDY))
+    with pytest.raises(mv.UsageError, match="sgnal"):
+        list(study_of(rig, {"sgnal": "grey"}))
+    with pytest.raises(mv.UsageError, match="threshold: must be a finite number"):
+        study_of(rig, {**STUDY, "threshold": float("nan")})
