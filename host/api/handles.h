@@ -7,6 +7,7 @@
 #include "loader/load.h"
 #include "options/command.h"
 #include "render/render.h"
+#include "transport/matrix.h"
 #include "verbs/picture.h"
 #include "verbs/report.h"
 
@@ -28,6 +29,16 @@ struct mcv_rig {
     uint64_t hash;  /* FNV-1a of the file's bytes, or of the text it was made from */
     double seconds; /* that its file took to read */
 };
+
+struct mcv_transport {
+    mcv_matrix matrix;
+    char *path; /* of the file, or of the scene */
+};
+
+/* Relight.c: the image of a pattern, [element][channel], as a picture with the header of the
+ * render. */
+mcv_result mcv_transport_light(const mcv_transport *transport, const float *pattern,
+                               mcv_picture **picture, mcv_error *error);
 
 /* A rig of a document, which changes owners, also on failure. */
 mcv_result mcv_rig_of(mcv_document *document, const char *path, const char *folder, mcv_rig **rig,

@@ -14,11 +14,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-struct mcv_transport {
-    mcv_matrix matrix;
-    char *path; /* of the file, or of the scene */
-};
-
 void mcv_transport_free(mcv_transport *transport) {
     if (!transport) return;
     mcv_matrix_free(&transport->matrix);
@@ -118,22 +113,6 @@ static mcv_result gather_matrix(mcv_session *session, const mcv_command *command
     return result;
 }
 
-/* The image of a pattern, as a picture with the header of the render. */
-static mcv_result light(const mcv_transport *transport, const float *pattern, mcv_picture **picture,
-                        mcv_error *error) {
-    const mcv_matrix *m = &transport->matrix;
-    mcv_image mean, deviation;
-    MCV_TRY(mcv_matrix_relight(m, pattern, &mean, &deviation, error));
-    char *attributes = m->attributes ? json_dumps(m->attributes, JSON_REAL_PRECISION(17)) : NULL;
-    const mcv_result result =
-        mcv_picture_make(m->width, m->height, m->channels, mean.pixels,
-                         m->replicates > 1 ? deviation.pixels : NULL, attributes, picture, error);
-    free(attributes);
-    mcv_image_free(&mean);
-    mcv_image_free(&deviation);
-    return result;
-}
-
 static mcv_result write_white(const mcv_transport *transport, const char *path, mcv_error *error) {
     const mcv_matrix *m = &transport->matrix;
     const size_t count = (size_t)m->element_count * m->channels;
@@ -141,7 +120,7 @@ static mcv_result write_white(const mcv_transport *transport, const char *path, 
     float *ones = malloc((count + 1) * sizeof *ones);
     if (!ones) return mcv_fail(error, MCV_FAILED, "no memory for a pattern");
     for (size_t i = 0; i < count; ++i) ones[i] = 1;
-    mcv_result result = light(transport, ones, &picture, error);
+    mcv_result result = mcv_transport_light(transport, ones, &picture, error);
     if (result == MCV_OK) result = mcv_picture_write(picture, path, NULL, error);
     mcv_picture_free(picture);
     free(ones);
@@ -291,85 +270,4 @@ mcv_result mcv_transport_entries(const mcv_transport *transport, mcv_matrix_entr
     entries->replicates = m->replicates_of;
     entries->pattern = m->pattern;
     return MCV_OK;
-}
-
-/* --- relighting --- */
-
-static mcv_result check_relit(const mcv_command *command, mcv_error *error) {
-    if (command->relit && !mcv_ends_in(command->relit, ".exr"))
-        return mcv_fail(error, MCV_USAGE, "--output %s: must end in .exr", command->relit);
-    if (command->relit) MCV_TRY(mcv_output_check(command->relit, error));
-    return command->relit_png ? mcv_output_check(command->relit_png, error) : MCV_OK;
-}
-
-static mcv_result tell_relit(const mcv_command *command, const mcv_transport *transport,
-                             double seconds, char **report, mcv_error *error) {
-    mcv_report r;
-    if (!report) return MCV_OK;
-    MCV_TRY(mcv_report_keep(&r, command->json, error));
-    mcv_report_text(&r, "matrix", transport->path);
-    mcv_report_number(&r, "seconds", "s", seconds);
-    if (command->relit) mcv_report_text(&r, "image", command->relit);
-    if (command->relit_png) mcv_report_text(&r, "preview", command->relit_png);
-    return mcv_report_take(&r, report, error);
-}
-
-static mcv_result light_command(const mcv_command *command, const mcv_transport *transport,
-                                const float *given, mcv_picture **picture, char **report,
-                                mcv_error *error) {
-    float *pattern = NULL;
-    MCV_TRY(check_relit(command, error));
-    if (!given) MCV_TRY(mcv_pattern_read(command, &transport->matrix, &pattern, error));
-    const double begun = mcv_seconds();
-    mcv_result result = light(transport, given ? given : pattern, picture, error);
-    const double seconds = mcv_seconds() - begun;
-    free(pattern);
-    if (result == MCV_OK && command->relit)
-        result = mcv_picture_write(*picture, command->relit, NULL, error);
-    if (result == MCV_OK && command->relit_png)
-        result = mcv_picture_write(*picture, command->relit_png, NULL, error);
-    return result == MCV_OK ? tell_relit(command, transport, seconds, report, error) : result;
-}
-
-static mcv_result check_pattern(const mcv_matrix *m, const float *pattern, size_t count,
-                                mcv_error *error) {
-    const size_t values = (size_t)m->element_count * m->channels;
-    if (count != values)
-        return mcv_fail(error, MCV_USAGE,
-                        "a pattern of %zu values: must be %zu, %u elements of %u channels", count,
-                        values, m->element_count, m->channels);
-    for (size_t i = 0; i < count; ++i)
-        if (!(pattern[i] >= 0 && pattern[i] <= 3.4e38f))
-            return mcv_fail(error, MCV_BAD_INPUT,
-                            "the pattern's value %zu is %g: must be finite and not negative", i,
-                            (double)pattern[i]);
-    return MCV_OK;
-}
-
-static mcv_result relight(const mcv_transport *transport, const float *pattern, size_t count,
-                          const char *options, mcv_picture **picture, char **report,
-                          mcv_error *error) {
-    const char *const arguments[2] = {transport->path};
-    mcv_options_given given;
-    if (pattern) MCV_TRY(check_pattern(&transport->matrix, pattern, count, error));
-    MCV_TRY(mcv_options_read(options, NULL, MCV_VERB_RELIGHT, arguments, NULL, &given, error));
-    const mcv_result result =
-        light_command(&given.command, transport, pattern, picture, report, error);
-    mcv_options_free(&given);
-    if (result == MCV_OK) return MCV_OK;
-    mcv_picture_free(*picture);
-    *picture = NULL;
-    return result;
-}
-
-mcv_result mcv_transport_relight(const mcv_transport *transport, const float *pattern, size_t count,
-                                 const char *options, mcv_picture **picture, char **report,
-                                 mcv_error *error) {
-    mcv_result result;
-    MCV_NEED(picture);
-    *picture = NULL;
-    if (report) *report = NULL;
-    MCV_NEED(transport);
-    MCV_INSIDE(result, relight(transport, pattern, count, options, picture, report, error));
-    return result;
 }

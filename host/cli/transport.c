@@ -45,6 +45,20 @@ mcv_result mcv_verb_transport(const mcv_command *command, mcv_error *error) {
     return result == MCV_INTERRUPTED ? mcv_interrupt_result() : result;
 }
 
+/* All images of a sequence. */
+static mcv_result light_sequence(const mcv_transport *transport, const char *options, char **report,
+                                 mcv_error *error) {
+    size_t count = 0;
+    MCV_TRY(mcv_transport_sequence(transport, options, NULL, 0, &count, NULL, error));
+    mcv_picture **pictures = calloc(count, sizeof(mcv_picture *));
+    if (!pictures) return mcv_fail(error, MCV_FAILED, "no memory for %zu images", count);
+    const mcv_result result =
+        mcv_transport_sequence(transport, options, pictures, count, &count, report, error);
+    for (size_t i = 0; i < count; ++i) mcv_picture_free(pictures[i]);
+    free(pictures);
+    return result;
+}
+
 mcv_result mcv_verb_relight(const mcv_command *command, mcv_error *error) {
     mcv_transport *transport = NULL;
     mcv_picture *picture = NULL;
@@ -54,7 +68,9 @@ mcv_result mcv_verb_relight(const mcv_command *command, mcv_error *error) {
                         "--output is missing: give the file of the image, as in -o relit.exr");
     mcv_result result = mcv_client_options(command, NULL, &options, error);
     if (result == MCV_OK) result = mcv_transport_read(command->argument, &transport, error);
-    if (result == MCV_OK)
+    if (result == MCV_OK && command->sequence)
+        result = light_sequence(transport, options, &report, error);
+    else if (result == MCV_OK)
         result = mcv_transport_relight(transport, NULL, 0, options, &picture, &report, error);
     if (result == MCV_OK) result = mcv_client_print(report, command->json, error);
     mcv_picture_free(picture);

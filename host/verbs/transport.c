@@ -65,14 +65,14 @@ static void list_emitters(const mcv_matrix *m, bool with_pixels, char *text, siz
                                        length > 0 ? ", " : "", m->groups[i].emitter);
 }
 
-/* Splits EMITTER=FILE, whose emitter may be left out where only one has pixels. */
-static mcv_result find_shown(const mcv_matrix *m, const char *item, const mcv_element_group **group,
-                             const char **path, mcv_error *error) {
+mcv_result mcv_pattern_group(const mcv_matrix *m, const char *option, const char *item,
+                             const mcv_element_group **group, const char **shown,
+                             mcv_error *error) {
     const char *equals = strchr(item, '=');
     char names[512], name[256];
     uint32_t with_pixels = 0;
     *group = NULL;
-    *path = equals ? equals + 1 : item;
+    *shown = equals ? equals + 1 : item;
     list_emitters(m, true, names, sizeof names);
     if (equals) {
         snprintf(name, sizeof name, "%.*s", (int)(equals - item), item);
@@ -84,10 +84,10 @@ static mcv_result find_shown(const mcv_matrix *m, const char *item, const mcv_el
             ++with_pixels;
         }
     if (with_pixels > 1)
-        return mcv_fail(error, MCV_USAGE, "--pattern %s: which emitter shows it? One of %s", item,
-                        names);
+        return mcv_fail(error, MCV_USAGE, "--%s %s: which emitter shows it? One of %s", option,
+                        item, names);
     if (*group && (*group)->width * (*group)->height > 1) return MCV_OK;
-    return mcv_fail(error, MCV_USAGE, "--pattern %s: the matrix has pixels of %s", item,
+    return mcv_fail(error, MCV_USAGE, "--%s %s: the matrix has pixels of %s", option, item,
                     names[0] ? names : "no emitter");
 }
 
@@ -96,7 +96,7 @@ static mcv_result show_image(const mcv_matrix *m, const char *item, float *patte
     const mcv_element_group *group;
     const char *path;
     mcv_image image;
-    MCV_TRY(find_shown(m, item, &group, &path, error));
+    MCV_TRY(mcv_pattern_group(m, "pattern", item, &group, &path, error));
     MCV_TRY(mcv_pattern_image_read(path, &image, error));
     const size_t plane = (size_t)image.width * image.height;
     mcv_result result = MCV_OK;

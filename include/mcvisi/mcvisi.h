@@ -541,11 +541,20 @@ MCV_API mcv_result mcv_transport_entries(const mcv_transport *transport,
 /*
  * The image of a pattern, [element][channel] of `count` values; NULL: that of the options of
  * `mcvisi relight`, by default the scene's. The picture has the parts "image" and "error", from the
- * replicates. *report may be NULL.
+ * replicates. *report may be NULL; with "fit" it has "weights" of the emitters, and the figures of
+ * "region".
  */
 MCV_API mcv_result mcv_transport_relight(const mcv_transport *transport, const float *pattern,
                                          size_t count, const char *options, mcv_picture **picture,
                                          char **report, mcv_error *error);
+
+/*
+ * The images of a sequence of patterns, one after the other: option "sequence" of `mcvisi relight`.
+ * *count: how many they are. pictures: `room` places for them; NULL: *count alone is wanted.
+ */
+MCV_API mcv_result mcv_transport_sequence(const mcv_transport *transport, const char *options,
+                                          mcv_picture **pictures, size_t room, size_t *count,
+                                          char **report, mcv_error *error);
 
 MCV_API void mcv_transport_free(mcv_transport *transport);
 

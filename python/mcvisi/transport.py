@@ -130,6 +130,41 @@ class Transport(Handle):
         )
         return Image._of(picture[0], json.loads(take_text(report) or "{}"))
 
+    def sequence(
+        self, pattern: Mapping[str, Any], emitter: str | None = None
+    ) -> "list[Image]":
+        """
+        The images of a sequence of patterns, one after the other.
+
+        pattern: as in scenes, {"type": "phaseShift", "steps": 4, "periods": 16}. emitter: which one
+        shows it; None: the only one with pixels.
+        """
+        shown = json.dumps(dict(pattern))
+        options = options_json({"sequence": shown if emitter is None else emitter + "=" + shown})
+        count = ffi.new("size_t *")
+        none = ffi.NULL
+        call("mcv_transport_sequence", self._get(), options, none, 0, count, none)
+        pictures = ffi.new("mcv_picture *[]", count[0])
+        call("mcv_transport_sequence", self._get(), options, pictures, count[0], count, none)
+        return [Image._of(picture, {}) for picture in pictures]
+
+    def fit(
+        self, wanted: str, region: str | None = None, background: str | None = None
+    ) -> Image:
+        """
+        The image with the weights of the emitters, 0 or more, that fit best; report["weights"] of
+        the image holds them, with their standard errors.
+
+        wanted: "uniform", an even region (by default the whole image), or "contrast", the region
+        against the background. Regions are "X,Y,W,H", polygons, or names of mask images.
+        """
+        picture = ffi.new("mcv_picture **")
+        report = ffi.new("char **")
+        given = {"fit": wanted, "region": region, "background": background, "json": True}
+        options = options_json({key: value for key, value in given.items() if value is not None})
+        call("mcv_transport_relight", self._get(), ffi.NULL, 0, options, picture, report)
+        return Image._of(picture[0], json.loads(take_text(report) or "{}"))
+
     def _values(self, pattern: Any) -> "numpy.ndarray[Any, Any]":
         import numpy
 

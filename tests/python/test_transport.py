@@ -89,3 +89,32 @@ def test_arrays_outlive_the_handle():
 def test_bad_patterns(transport, pattern, error):
     with pytest.raises(mv.Error, match=error):
         transport.relight(pattern)
+
+
+def test_sequence(transport):
+    images = transport.sequence({"type": "phaseShift", "steps": 4, "periods": 4}, "projector")
+    assert len(images) == 4
+    column = (np.arange(64) + 0.5) / 64
+    for k, image in enumerate(images):
+        shown = 0.5 + 0.5 * np.cos(2 * np.pi * (4 * column - k / 4))
+        same = np.asarray(transport.relight({"projector": shown[None, :, None]}))
+        # Both patterns are floats of one formula, computed twice.
+        assert np.allclose(np.asarray(image), same, rtol=0, atol=2.0**-22 * same.max())
+    with pytest.raises(mv.Error, match="type: is missing"):
+        transport.sequence({})
+
+
+def test_fit_is_nnls():
+    """SciPy's active set finds the weights that ours finds."""
+    optimize = pytest.importorskip("scipy.optimize")
+    rig = mv.load(os.path.join(os.path.dirname(SCENE), "punctual.gltf"))
+    made = rig.transport(spp=16, resolution="32x24", progress=False)
+    image = made.fit("uniform", region="4,12,24,8")
+    ours = [group["weight"]["value"] for group in image.report["weights"]]
+    lamps = (made.matrix.toarray() * made.pattern.mean(axis=1)).reshape(24, 32, 3, -1)
+    light = lamps.mean(axis=2)[12:20, 4:28].reshape(-1, lamps.shape[-1])
+    target = np.full(len(light), light.sum(axis=1).mean())
+    best, _ = optimize.nnls(light, target)
+    # The descent ends at the root of the rounding; replicates are floats.
+    assert np.allclose(ours, best, atol=1e-5 * best.max())
+    assert image.report["figures"]["regions"][0]["uniformity"]["value"] > 0

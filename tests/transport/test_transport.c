@@ -168,6 +168,61 @@ static void check_relit(mcv_session *session, const mcv_rig *rig) {
     mcv_transport_free(transport);
 }
 
+/* A sequence shows what scenes show: its first image is that of the scene's pattern, to the bit,
+ * and a code's image and its inverse, B = 6 images later, add up to white but for their rounding.
+ */
+static void check_sequence(mcv_session *session, const mcv_rig *rig) {
+    enum { BITS = 6 };
+    const char options[] = "{\"sequence\": \"{\\\"type\\\": \\\"grayCode\\\"}\", "
+                           "\"output\": \"sequence.exr\"}";
+    mcv_transport *transport = transport_of(session, rig, "{\"spp\": 16}");
+    mcv_picture *pictures[2 * BITS], *relit = NULL, *read = NULL;
+    const mcv_matrix_entries e = entries_of(transport);
+    size_t count = 0;
+    WELL(mcv_transport_sequence(transport, options, NULL, 0, &count, NULL, &error));
+    assert_int_equal(count, 2 * BITS);
+    FAILS(MCV_USAGE, "there is room for 11",
+          mcv_transport_sequence(transport, options, pictures, 11, &count, NULL, &error));
+    WELL(mcv_transport_sequence(transport, options, pictures, count, &count, NULL, &error));
+    WELL(mcv_transport_relight(transport, NULL, 0, NULL, &relit, NULL, &error));
+    assert_memory_equal(planes_of(relit, 0), planes_of(pictures[0], 0),
+                        e.row_count * sizeof(float));
+    for (size_t row = 0; row < e.row_count; ++row)
+        for (int k = 0; k < BITS; ++k) {
+            double white = 0;
+            for (uint64_t i = e.row_begins[row]; i < e.row_begins[row + 1]; ++i)
+                white += e.values[i];
+            assert_true(fabs((double)planes_of(pictures[k], 0)[row] +
+                             (double)planes_of(pictures[BITS + k], 0)[row] - white) <=
+                        0x1p-23 * white);
+        }
+    WELL(mcv_picture_read("sequence-11.exr", &read, &error));
+    assert_memory_equal(planes_of(read, 0), planes_of(pictures[11], 0),
+                        e.row_count * sizeof(float));
+    for (size_t i = 0; i < count; ++i) mcv_picture_free(pictures[i]);
+    mcv_picture_free(relit);
+    mcv_picture_free(read);
+    mcv_transport_free(transport);
+}
+
+static void refuse_sequences(const mcv_transport *transport) {
+    static const char *const wrong[][2] = {
+        {"{\"sequence\": \"{\"}", "must be a pattern as in scenes"},
+        {"{\"sequence\": \"{\\\"type\\\": \\\"phaseShift\\\"}\"}", "is missing"},
+        {"{\"sequence\": \"lamp={}\"}", "the matrix has pixels of \"projector\""},
+        {"{\"sequence\": \"{\\\"type\\\": \\\"grayCode\\\", \\\"resolution\\\": [8, 8]}\"}",
+         "resolution is 8 x 8"},
+        {"{\"sequence\": \"{\\\"type\\\": \\\"grayCode\\\", \\\"orientation\\\": "
+         "\\\"horizontal\\\"}\"}",
+         "one pixel across the stripes"},
+        {"{}", "must be a pattern"},
+    };
+    size_t count;
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; ++i)
+        FAILS(MCV_USAGE, wrong[i][1],
+              mcv_transport_sequence(transport, wrong[i][0], NULL, 0, &count, NULL, &error));
+}
+
 static void refuse(mcv_session *session, const mcv_rig *rig) {
     mcv_transport *transport = NULL;
     mcv_picture *picture = NULL;
@@ -194,6 +249,10 @@ static void refuse(mcv_session *session, const mcv_rig *rig) {
     FAILS(MCV_USAGE, "the matrix has the emitters \"projector\"",
           mcv_transport_relight(transport, NULL, 0, "{\"set\": [\"emitters/sun/radiance=4\"]}",
                                 &picture, NULL, &error));
+    FAILS(MCV_USAGE, "give --region and --background",
+          mcv_transport_relight(transport, NULL, 0, "{\"fit\": \"contrast\"}", &picture, NULL,
+                                &error));
+    refuse_sequences(transport);
     mcv_transport_free(transport);
 }
 
@@ -204,6 +263,7 @@ static void test_pattern_of_a_scene(void **state) {
     WELL(mcv_rig_open(MCV_SOURCE_DIR "/scenes/gray-code.gltf", &rig, &error));
     check_white(session, rig);
     check_relit(session, rig);
+    check_sequence(session, rig);
     refuse(session, rig);
     mcv_rig_free(rig);
     mcv_session_close(session);
