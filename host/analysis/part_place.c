@@ -81,9 +81,11 @@ static mcv_result resolve_place(const char *what, const char *text, const char *
             "%s %s: the image's header does not state where the node lies: give --scene, or "
             "pixels X,Y,W,H",
             what, text);
-    char *name = strndup(place, (size_t)(colon - place)), where[256];
-    if (!name) return mcv_fail(error, MCV_FAILED, "%s %s: no memory for its node", what, text);
+    char where[256];
     snprintf(where, sizeof where, "%s %s", what, text);
+    MCV_TRY(mcv_camera_model_check_places(model, where, error));
+    char *name = strndup(place, (size_t)(colon - place));
+    if (!name) return mcv_fail(error, MCV_FAILED, "%s %s: no memory for its node", what, text);
     const mcv_result found = mcv_camera_model_node(model, name, where, &node, error);
     free(name);
     MCV_TRY(found);

@@ -125,6 +125,7 @@ static mcv_result read_json(const char *path, const char *text, mcv_calibration 
     camera->model.render_error.items = NULL;
     mcv_camera_model_free(&model);
     camera->posed = true;
+    MCV_TRY(mcv_camera_model_check_places(&camera->model, path, error));
     if (macro)
         return mcv_fail(error, MCV_BAD_INPUT,
                         "%s: is of a light field camera, whose lens is not in its model: describe "

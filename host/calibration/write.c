@@ -262,6 +262,11 @@ mcv_result mcv_calibration_write(const mcv_camera_model *model, const char *name
                         "sensor %s is a light field camera: %s has no macro pixels: take --format "
                         "json",
                         name, programs[format]);
+    if (model->line && format != MCV_CALIBRATION_JSON)
+        return mcv_fail(error, MCV_BAD_INPUT,
+                        "sensor %s has a \"line\" shutter: %s has no rows that are times: take "
+                        "--format json",
+                        name, programs[format]);
     if (model->telecentric && (format == MCV_CALIBRATION_ROS || format == MCV_CALIBRATION_COLMAP))
         return mcv_fail(error, MCV_BAD_INPUT,
                         "sensor %s is telecentric: %s has no such model: take --format opencv, "

@@ -3,6 +3,7 @@
 #include "scene/camera_model.h"
 
 #include "core/json.h"
+#include "scene/motion.h"
 #include "scene/sensors.h"
 #include "scene/transform.h"
 
@@ -52,9 +53,11 @@ mcv_result mcv_camera_model_of(const mcv_scene *scene, const mcv_sensor *sensor,
                                mcv_camera_model *model, mcv_error *error) {
     const mcv_readout readout = mcv_sensor_readout(sensor);
     const mcv_optics optics = mcv_sensor_optics(sensor);
-    const bool sharp = optics.magnification > 0;
+    const bool line = mcv_sensor_exposure(sensor).shutter == MCV_SHUTTER_LINE;
+    const bool sharp = optics.magnification > 0 && !line;
     double focal[2], centre[2];
-    *model = (mcv_camera_model){.telecentric = sensor->type == MCV_SENSOR_TELECENTRIC,
+    *model = (mcv_camera_model){.telecentric = sensor->type == MCV_SENSOR_TELECENTRIC && !line,
+                                .line = line,
                                 .lens = mcv_sensor_lens_map(sensor),
                                 .film_distance = mcv_sensor_film_distance(sensor),
                                 .focused_depth = optics.focused_depth,
@@ -80,7 +83,7 @@ mcv_result mcv_camera_model_of(const mcv_scene *scene, const mcv_sensor *sensor,
                 model->affine[4 * i + j] = model->rotation[3 * i + j] / model->object_pixel[i];
             model->affine[4 * i + 3] = model->translation[i] / model->object_pixel[i] + centre[i];
         }
-    } else {
+    } else if (!line) {
         memcpy(model->k, (const double[9]){focal[0], 0, centre[0], 0, focal[1], centre[1], 0, 0, 1},
                sizeof model->k);
     }
@@ -112,6 +115,15 @@ bool mcv_camera_model_fit(mcv_camera_model *model, uint32_t width, uint32_t heig
 }
 
 /* --- projection --- */
+
+mcv_result mcv_camera_model_check_places(const mcv_camera_model *model, const char *what,
+                                         mcv_error *error) {
+    return model->line ? mcv_fail(error, MCV_BAD_INPUT,
+                                  "%s: the rows of a \"line\" shutter's image are times: no camera "
+                                  "model tells where a point of the scene lies in it",
+                                  what)
+                       : MCV_OK;
+}
 
 static void to_camera(const mcv_camera_model *model, const double world[3], double p[3]) {
     for (int i = 0; i < 3; ++i) {

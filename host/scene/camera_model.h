@@ -58,9 +58,11 @@ typedef struct mcv_render_error {
 
 typedef struct mcv_camera_model {
     bool telecentric;
+    bool line;             /* rows of the image are times of one row of the film: no place of the
+                              world can be told from the image, nor the other way */
     uint32_t size[2];      /* of the image */
     uint32_t macro[2];     /* pixels of a macro pixel; 1 of other cameras */
-    double k[9];           /* perspective */
+    double k[9];           /* perspective; 0 of a line */
     double affine[8];      /* telecentric */
     mcv_lens_map lens;     /* tilt of the film and distortion: K and A are without them */
     double film_distance;  /* h, by which lengths on the film are divided for `lens` [m] */
@@ -71,7 +73,7 @@ typedef struct mcv_camera_model {
     double focused_depth;   /* of the plane in focus, along the camera's z [m]; infinite or negative
                                where it is none */
     double object_pixel[2]; /* what a pixel (a macro pixel) sees there [m]; 0 where there is no such
-                               plane */
+                               plane, and of a line */
     double f_number;        /* working, on the image side; NaN of a pinhole */
     double numerical_aperture;      /* on the object side; NaN of a pinhole */
     double bits, black_level, gain; /* of grey values [1, DN, DN/e-]; NaN of light */
@@ -90,6 +92,10 @@ void mcv_camera_model_free(mcv_camera_model *model);
  * view). False where the image is neither that nor the whole: then the model says nothing of it.
  */
 bool mcv_camera_model_fit(mcv_camera_model *model, uint32_t width, uint32_t height);
+
+/* MCV_BAD_INPUT for a line's, which the functions below are not for; `what` needs the places. */
+mcv_result mcv_camera_model_check_places(const mcv_camera_model *model, const char *what,
+                                         mcv_error *error);
 
 /* Column and row of a point of the world [m]; false where it does not lie before a perspective
  * camera, or where the lens's distortion folds back. */

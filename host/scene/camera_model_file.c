@@ -131,7 +131,9 @@ char *mcv_camera_model_write(const mcv_camera_model *model) {
     json_t *object = json_object(), *nodes = json_array();
     json_object_set_new(object, "format", json_string(format));
     json_object_set_new(object, "model",
-                        json_string(model->telecentric ? "telecentric" : "perspective"));
+                        json_string(model->line          ? "line"
+                                    : model->telecentric ? "telecentric"
+                                                         : "perspective"));
     json_object_set_new(object, "pixels", json_string("from the top-left corner of the image"));
     put_numbers(object, "centreOfFirstPixel", (const double[]){0.5, 0.5}, 2);
     json_object_set_new(object, "axes", json_string("x right, y down, z forward; metres"));
@@ -139,7 +141,7 @@ char *mcv_camera_model_write(const mcv_camera_model *model) {
     if (model->macro[0] > 1 || model->macro[1] > 1) put_pair(object, "macroPixel", model->macro);
     if (model->telecentric)
         put_matrix(object, "A", model->affine, 2, 4);
-    else
+    else if (!model->line)
         put_matrix(object, "K", model->k, 3, 3);
     if (mcv_lens_map_is_used(&model->lens)) put_lens(object, model);
     put_matrix(object, "R", model->rotation, 3, 3);
@@ -302,8 +304,10 @@ static mcv_result get_all(const json_t *object, mcv_camera_model *model, const m
     const char *kind = "";
     MCV_TRY(mcv_json_string(object, "model", &kind, where, error));
     model->telecentric = strcmp(kind, "telecentric") == 0;
-    if (!model->telecentric && strcmp(kind, "perspective") != 0)
-        return mcv_fail_at(&kind_place, error, "must be \"perspective\" or \"telecentric\"");
+    model->line = strcmp(kind, "line") == 0;
+    if (!model->telecentric && !model->line && strcmp(kind, "perspective") != 0)
+        return mcv_fail_at(&kind_place, error,
+                           "must be \"perspective\", \"telecentric\" or \"line\"");
     if (!json_object_get(object, "size")) return mcv_fail_at(&size, error, "is missing");
     MCV_TRY(get_pair(object, "size", model->size, where, error));
     MCV_TRY(get_pair(object, "macroPixel", model->macro, where, error));
@@ -313,8 +317,10 @@ static mcv_result get_all(const json_t *object, mcv_camera_model *model, const m
     MCV_TRY(get_lengths(object, "pixelSize", model->pixel, where, error));
     if (model->telecentric || json_object_get(object, "objectPixel"))
         MCV_TRY(get_lengths(object, "objectPixel", model->object_pixel, where, error));
-    MCV_TRY(model->telecentric ? get_matrix(object, "A", 2, 4, model->affine, where, error)
-                               : get_matrix(object, "K", 3, 3, model->k, where, error));
+    if (model->telecentric)
+        MCV_TRY(get_matrix(object, "A", 2, 4, model->affine, where, error));
+    else if (!model->line)
+        MCV_TRY(get_matrix(object, "K", 3, 3, model->k, where, error));
     MCV_TRY(get_number(object, "focusedDepth", INFINITY, &model->focused_depth, where, error));
     MCV_TRY(get_number(object, "fNumber", NAN, &model->f_number, where, error));
     MCV_TRY(get_number(object, "numericalAperture", NAN, &model->numerical_aperture, where, error));

@@ -47,6 +47,7 @@ static mcv_result take_growths_off(mcv_subject *s, mcv_error *error) {
     if (!s->scene)
         return mcv_fail(error, MCV_USAGE, "--nominal needs the part and its light: give --scene");
     const mcv_sensor *sensor = s->scene->sensors + s->sensor;
+    MCV_TRY(mcv_camera_model_check_places(&s->model, "--nominal", error));
     if (sensor->type != MCV_SENSOR_TELECENTRIC)
         return mcv_fail(
             error, MCV_USAGE,
@@ -143,13 +144,14 @@ static mcv_result draw_grid(mcv_subject *s, mcv_error *error) {
             "leave it out",
             text);
     if (equals) {
+        MCV_TRY(mcv_camera_model_check_places(&s->model, "--grid", error));
         char *name = strndup(text, (size_t)(equals - text));
         const mcv_result found =
             name ? mcv_camera_model_node(&s->model, name, "--grid", &node, error)
                  : mcv_fail(error, MCV_FAILED, "--grid %s: no memory for its node", text);
         free(name);
         MCV_TRY(found);
-    } else if (s->has_model && s->model.node_count) {
+    } else if (s->has_model && s->model.node_count && !s->model.line) {
         node = s->model.nodes;
     }
     if (mcv_same_file(path, s->picture->path))

@@ -478,6 +478,55 @@ static void test_distortion_there_and_back(void **state) {
     check_lens_round_trip(PINHOLE "\"tiltX\": 0.1, \"tiltY\": 0.1", HALCON, "both tiltX and tiltY");
 }
 
+/* --- lines --- */
+
+static void measure_refused(const mcv_picture *picture, const char *options) {
+    char *report = NULL;
+    FAILS(MCV_BAD_INPUT, "are times",
+          mcv_picture_measure(picture, NULL, NULL, options, &report, &error));
+    assert_null(report);
+}
+
+/* Rows that are times show no place of the scene, and lengths are not known. */
+static void test_lines_have_no_places(void **state) {
+    static const char place[] = "{\"region\": \"a=@sky:0mm,0mm,-100mm,20mm,20mm\"}";
+    mcv_session *session = open_session("{\"device\": \"reference\"}");
+    mcv_rig *rig = parse_rig(sky_rig), *made = parse_rig(empty);
+    char *report = NULL;
+    (void)state;
+    WELL(mcv_rig_set(rig, "sensors/camera/shutter", "line", &error));
+    WELL(mcv_rig_set(rig, "sensors/camera/lineTime", "0.001", &error));
+    mcv_picture *picture = render(session, rig, "{\"spp\": 4}"), *grey = NULL;
+    measure_refused(picture, place);
+    measure_refused(picture, "{\"grid\": \"sky=g.png\"}");
+    WELL(mcv_picture_measure(picture, NULL, NULL,
+                             "{\"region\": \"a=0,0,4,4\", \"grid\": \"g.png\"}", &report, &error));
+    assert_null(strstr(report, "object_pixel"));
+    mcv_text_free(report);
+    /* The grey values' file tells the same, and their bits. */
+    WELL(mcv_picture_camera(picture, "{\"expose_to\": 0.5, \"bits\": 10}", &grey, NULL, &error));
+    WELL(mcv_picture_write(grey, "grey.png", NULL, &error));
+    mcv_picture_free(grey);
+    WELL(mcv_picture_read("grey.png", &grey, &error));
+    measure_refused(grey, place);
+    WELL(mcv_picture_attributes(grey, &report, &error));
+    assert_non_null(strstr(report, "\\\"bits\\\":10"));
+    mcv_text_free(report);
+    json_t *model = model_of(rig, "camera");
+    assert_string_equal(json_string_value(json_object_get(model, "model")), "line");
+    assert_null(json_object_get(model, "K"));
+    assert_null(json_object_get(model, "A"));
+    json_decref(model);
+    FAILS(MCV_BAD_INPUT, "are times", mcv_rig_add_camera(made, "model0", NULL, &report, &error));
+    FAILS(MCV_BAD_INPUT, "no rows that are times",
+          mcv_rig_camera_model(rig, "{\"format\": \"opencv\"}", &report, &error));
+    mcv_picture_free(grey);
+    mcv_picture_free(picture);
+    mcv_rig_free(made);
+    mcv_rig_free(rig);
+    mcv_session_close(session);
+}
+
 /* --- the program --- */
 
 static void test_the_verb(void **state) {
@@ -513,6 +562,7 @@ int main(void) {
         cmocka_unit_test(test_what_is_refused),
         cmocka_unit_test(test_distortion_of_other_programs),
         cmocka_unit_test(test_distortion_there_and_back),
+        cmocka_unit_test(test_lines_have_no_places),
         cmocka_unit_test(test_the_verb),
     };
     return cmocka_run_group_tests(tests, enter_folder, leave_folder);
