@@ -143,6 +143,52 @@ def telecentric_projector():
     return s
 
 
+def screen():
+    s = Sketch(720, 300, (120, 150), "Screen: pixels with gaps, a fall-off and a bent surface")
+    half, rise, n = 100, 16, 2
+
+    def edge(y, behind=0):
+        return (rise * (y / half) ** 2 - behind, y)
+
+    rows = [-half + 2 * half * k / 20 for k in range(21)]
+    s.area([edge(y) for y in rows] + [edge(y, 12) for y in reversed(rows)], PALE, LIGHT)
+    s.line([(0, -half - 14), (0, half + 14)], FAINT, 1, "4 3")
+    s.dimension((0, half + 4), (rise, half + 4), "`sag` s", 14)
+    s.lobe((0, 0), 0, 120, lambda a: math.cos(math.radians(a)) ** n)
+    s.arrow((0, 0), (150, 0), INK)
+    s.arrow((0, 0), polar((0, 0), 120 * math.cos(math.radians(35)) ** n, 35), HUES[0], 1.8)
+    s.angle((0, 0), 56, 0, 35, "θ", 10)
+    s.text((150, 62), "L · v^γ · cosⁿ θ", "start", LIGHT)
+    s.dimension((-12, -half), (-12, half), "height", 24)
+    pitch, gap, left, top = 42, 9, 325, 84
+    for row in range(4):
+        for column in range(6):
+            x, y = left + column * pitch, top - row * pitch
+            s.area(
+                [
+                    (x + gap / 2, y - gap / 2),
+                    (x + pitch - gap / 2, y - gap / 2),
+                    (x + pitch - gap / 2, y - pitch + gap / 2),
+                    (x + gap / 2, y - pitch + gap / 2),
+                ],
+                GREYS[column],
+                INK,
+                width=0.8,
+            )
+    s.dimension(
+        (left + pitch / 2, top + 4), (left + 1.5 * pitch, top + 4), "`pixelPitch` p", 14
+    )
+    right = left + 4 * pitch
+    s.dimension(
+        (right - gap / 2, top - 4 * pitch - 3),
+        (right + gap / 2, top - 4 * pitch - 3),
+        "`pixelGap` g",
+        -16,
+    )
+    s.text((left + 3 * pitch, -136), "the `image` as an observer sees it")
+    return s
+
+
 def projector():
     s = Sketch(740, 320, (215, 165), "Projector: the thin lens camera reversed")
     f, w, half, pixels = 62, 340, 44, 4
@@ -250,6 +296,7 @@ DRAWINGS = {
     "parallel": parallel,
     "collimated-beam": collimated_beam,
     "telecentric-projector": telecentric_projector,
+    "screen": screen,
     "projector": projector,
     "light-field-emitter": light_field_emitter,
 }

@@ -141,7 +141,7 @@ static double widest(const mcv_scene *scene, const mcv_emitter *emitter) {
         MCV_EMITTER_PROJECTOR) { /* the image's corner, seen from the lens's edge */
         const mcv_projector_params *p = &emitter->as.projector;
         uint32_t pixels[2];
-        mcv_projector_resolution(p, scene->textures + emitter->texture, pixels);
+        mcv_picture_resolution(&p->pattern, scene->textures + emitter->texture, pixels);
         return hypot(pixels[0] * p->pixelSize[0], pixels[1] * p->pixelSize[1]) /
                    (2 * p->imageDistance) +
                fabs(mcv_kappa(p->focalLength, p->imageDistance)) * p->lensDiameter / 2;

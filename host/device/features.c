@@ -139,6 +139,7 @@ static void find_of_emitter(finding *f, const mcv_emitter *e) {
         {MCV_FEATURE_LIGHT_FIELD, e->type == MCV_EMITTER_LIGHT_FIELD_EMITTER},
         {MCV_FEATURE_PROJECTOR, e->type == MCV_EMITTER_PROJECTOR},
         {MCV_FEATURE_AREA, mcv_emitter_is_surface_light(e->type)},
+        {MCV_FEATURE_SCREEN, mcv_screen_has_structure(e)},
         {MCV_FEATURE_ENVIRONMENT, environment && !mcv_is_sampled(e)},
         {MCV_FEATURE_ENVIRONMENT_IMAGE, environment && mcv_is_sampled(e)},
         {MCV_FEATURE_BEAM, e->type == MCV_EMITTER_COLLIMATED_BEAM},

@@ -191,20 +191,26 @@ mcv_result mcv_load_emitter(mcv_loader *loader, const json_t *node, const mcv_tr
         return add_emitters(loader, &emitter, first, first + 1, error);
     }
     double size[2];
-    mcv_emitter_size(&emitter, size);
+    mcv_emitter_size(loader->scene, &emitter, size);
     const bool rectangle = !isnan(size[0]);
     if (json_object_get(node, "mesh") && rectangle)
         return mcv_fail_at(
             &here, error,
             "%s is for a node without a mesh, but node \"%s\" has one: leave one of them out",
-            mcv_emitter_parameter(&emitter, "size") ? "size" : "a lens", mcv_json_name(node));
+            mcv_emitter_parameter(&emitter, "size") ? "size"
+            : emitter.type == MCV_EMITTER_SCREEN    ? "a screen"
+                                                    : "a lens",
+            mcv_json_name(node));
     if (!json_object_get(node, "mesh")) {
         if (!rectangle)
             return mcv_fail_at(&here, error,
                                "needs size, because its node \"%s\" has no mesh to emit from",
                                mcv_json_name(node));
-        MCV_TRY(mcv_load_rectangle(loader, mcv_json_name(node), size, mcv_emitter_mirrors(&emitter),
-                                   to_world, place, error));
+        MCV_TRY(emitter.type == MCV_EMITTER_SCREEN
+                    ? mcv_load_screen(loader, mcv_json_name(node), &emitter.as.screen, size,
+                                      to_world, place, error)
+                    : mcv_load_rectangle(loader, mcv_json_name(node), size,
+                                         mcv_emitter_mirrors(&emitter), to_world, place, error));
         last = first + 1;
     }
     if (first == last)

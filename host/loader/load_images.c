@@ -7,6 +7,7 @@
 #include "scene/emitters.h"
 #include "scene/params.h"
 #include "scene/pattern.h"
+#include "scene/texture.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -68,6 +69,29 @@ static bool shows_image(mcv_emitter *emitter) {
     return image && *image != MCV_NONE && !shows_pattern(emitter);
 }
 
+/* The exponent from its image's values to what it sends. */
+static double gamma_of(const mcv_emitter *emitter) {
+    return emitter->type == MCV_EMITTER_SCREEN ? emitter->as.screen.gamma : 1;
+}
+
+/* Raises the values of a texture to a power; its pixels are then its own. */
+static mcv_result apply_gamma(mcv_texture *texture, double gamma, const mcv_json_path *place,
+                              mcv_error *error) {
+    const uint32_t width = texture->width;
+    double decoded[256], rgb[3];
+    float *to = malloc(3 * sizeof *to * width * texture->height);
+    if (!to) return mcv_fail_memory(place, error);
+    mcv_srgb_table(decoded);
+    for (size_t i = 0; i < (size_t)width * texture->height; ++i) {
+        mcv_texture_value(texture, decoded, (uint32_t)(i % width), (uint32_t)(i / width), rgb);
+        for (size_t k = 0; k < 3; ++k) to[3 * i + k] = (float)pow(rgb[k], gamma);
+    }
+    free(texture->linear);
+    texture->linear = to;
+    texture->rgba = NULL;
+    return MCV_OK;
+}
+
 /* The picture that emitters[index] shows, as an earlier emitter's texture; MCV_NONE if it is the
  * first. */
 static mcv_result find_earlier(mcv_loader *loader, const json_t *emitters, size_t index,
@@ -77,7 +101,9 @@ static mcv_result find_earlier(mcv_loader *loader, const json_t *emitters, size_
     for (size_t i = 0; i < index; ++i) {
         uint32_t other;
         const char *other_uri;
-        if (!shows_image(loader->emitters + i)) continue;
+        if (!shows_image(loader->emitters + i) ||
+            gamma_of(loader->emitters + i) != gamma_of(loader->emitters + index))
+            continue;
         MCV_TRY(find_image(loader, json_array_get(emitters, i), &other, &other_uri, place, error));
         const bool same = uri ? other_uri && mcv_file_is_same(loader->file.key, uri, other_uri)
                               : !other_uri && loader->images[source] == loader->images[other];
@@ -209,6 +235,8 @@ static mcv_result load_picture(mcv_loader *loader, const json_t *emitters, size_
                                     : mcv_json_name(json_array_get(
                                           json_object_get(loader->root, "images"), source)));
     }
+    if (result == MCV_OK && gamma_of(emitter) != 1)
+        result = apply_gamma(&texture, gamma_of(emitter), &here, error);
     if (result == MCV_OK) result = mcv_scene_add_texture(loader->scene, &texture, error);
     free(texture.linear);
     if (result == MCV_OK) *mcv_emitter_image(emitter) = loader->scene->texture_count - 1;

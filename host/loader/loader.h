@@ -163,6 +163,11 @@ mcv_result mcv_load_find_material(const mcv_loader *loader, const json_t *object
 /* load_meshes.c: the primitives of meshes[index], read when first asked for. */
 mcv_result mcv_load_mesh(mcv_loader *loader, uint32_t index, mcv_error *error);
 
+/* load_rectangle.c: adds a screen of this size as a new instance, a mesh where it is not flat. */
+mcv_result mcv_load_screen(mcv_loader *loader, const char *name, const mcv_screen_params *p,
+                           const double size[2], const mcv_transform *to_world,
+                           const mcv_json_path *place, mcv_error *error);
+
 /* load_rectangle.c: adds a rectangle in the node's xy plane as a new instance. Its front faces -z.
  * `mirror` swaps left and right of its image. */
 mcv_result mcv_load_rectangle(mcv_loader *loader, const char *name, const double size[2],

@@ -21,6 +21,8 @@ static double share_at(const mcv_emitter *emitter, double angle) {
     case MCV_EMITTER_PARALLEL:
     case MCV_EMITTER_TELECENTRIC_PROJECTOR:
         return angle <= cone_of(emitter) ? 1 : 0;
+    case MCV_EMITTER_SCREEN:
+        return pow(cos(angle), emitter->as.screen.falloffExponent);
     default:
         return 1;
     }
@@ -183,6 +185,24 @@ void ref_environment(const mcv_scene *scene, const ref_emitters *emitters, ref_v
         radiance[channel] = sky ? sky->radiance[channel] * rgb[channel] : 0;
 }
 
+/* Whether a place on a screen lies in the lit part of a pixel, by its distances from the edges at
+ * the node's -x and -y: pixels lie symmetrically about the middle. */
+static bool in_pixel(const mcv_scene *scene, const mcv_emitter *emitter,
+                     const ref_surface *surface) {
+    const mcv_screen_params *p = &emitter->as.screen;
+    const double *m = scene->instances[emitter->instance].to_world.m;
+    const ref_vec place = ref_sub(surface->position, (ref_vec){m[9], m[10], m[11]});
+    double size[2];
+    mcv_emitter_size(scene, emitter, size);
+    for (int i = 0; i < 2; ++i) {
+        const double from_edge = ref_dot(place, (ref_vec){m[i], m[3 + i], m[6 + i]}) + size[i] / 2;
+        const double in_pitch = fmod(from_edge + p->pixelPitch[i], p->pixelPitch[i]);
+        if (in_pitch < p->pixelGap[i] / 2 || in_pitch > p->pixelPitch[i] - p->pixelGap[i] / 2)
+            return false;
+    }
+    return true;
+}
+
 void ref_emitted(const mcv_scene *scene, const ref_surface *surface, ref_vec direction,
                  double radiance[3]) {
     const uint32_t index = scene->instances[surface->instance].emitter;
@@ -193,6 +213,7 @@ void ref_emitted(const mcv_scene *scene, const ref_surface *surface, ref_vec dir
     const mcv_emitter *emitter = &scene->emitters[index];
     const double share = share_at(emitter, ref_angle(direction, surface->normal));
     if (share == 0) return;
+    if (emitter->type == MCV_EMITTER_SCREEN && !in_pixel(scene, emitter, surface)) return;
     const bool shows = emitter->type == MCV_EMITTER_TELECENTRIC_PROJECTOR ||
                        emitter->type == MCV_EMITTER_LIGHT_FIELD_EMITTER ||
                        emitter->type == MCV_EMITTER_PROJECTOR;

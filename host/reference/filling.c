@@ -33,7 +33,7 @@ static bool in_picture(const mcv_scene *scene, const mcv_emitter *emitter, ref_v
     const mcv_projector_params *p = &emitter->as.projector;
     const double kappa = 1 / p->focalLength - 1 / p->imageDistance;
     uint32_t pixels[2];
-    mcv_projector_resolution(p, scene->textures + emitter->texture, pixels);
+    mcv_picture_resolution(&p->pattern, scene->textures + emitter->texture, pixels);
     if (!(direction.z < 0) || hypot(place.x, place.y) > p->lensDiameter / 2) return false;
     const double right = direction.x / -direction.z + kappa * place.x,
                  up = direction.y / -direction.z + kappa * place.y;

@@ -40,6 +40,14 @@ mcv_result mcv_emitter_check(mcv_emitter *emitter, const mcv_json_path *place, m
                                            &p->lensDiameter, &p->fNumber},
                                 place, error);
     }
+    if (emitter->type == MCV_EMITTER_SCREEN)
+        for (int i = 0; i < 2; ++i)
+            if (!(emitter->as.screen.pixelGap[i] < emitter->as.screen.pixelPitch[i])) {
+                const mcv_json_path here = mcv_json_path_key(place, "pixelGap");
+                return mcv_fail_at(&here, error, "%g m must be below pixelPitch %g m",
+                                   emitter->as.screen.pixelGap[i],
+                                   emitter->as.screen.pixelPitch[i]);
+            }
     if (emitter->type != MCV_EMITTER_SPOT ||
         emitter->as.spot.innerConeAngle <= emitter->as.spot.outerConeAngle)
         return MCV_OK;
@@ -60,8 +68,30 @@ const double *mcv_emitter_range(const mcv_emitter *emitter) { return parameter(e
 
 uint32_t *mcv_emitter_image(mcv_emitter *emitter) { return parameter(emitter, "image"); }
 
-void mcv_emitter_size(const mcv_emitter *emitter, double size[2]) {
+bool mcv_screen_has_structure(const mcv_emitter *emitter) {
+    const mcv_screen_params *p = &emitter->as.screen;
+    return emitter->type == MCV_EMITTER_SCREEN &&
+           (p->falloffExponent > 0 || p->pixelGap[0] > 0 || p->pixelGap[1] > 0);
+}
+
+double mcv_screen_rise(const mcv_screen_params *p, double xi, double eta) {
+    return p->sag[0] * xi * xi + p->sag[1] * eta * eta + p->twist * xi * eta +
+           p->fourth[0] * pow(xi, 4) + p->fourth[1] * pow(eta, 4);
+}
+
+static void screen_resolution(const mcv_scene *scene, const mcv_screen_params *p,
+                              uint32_t pixels[2]) {
+    mcv_picture_resolution(&p->pattern, scene->textures + p->image, pixels);
+}
+
+void mcv_emitter_size(const mcv_scene *scene, const mcv_emitter *emitter, double size[2]) {
     const double *given = parameter(emitter, "size");
+    if (emitter->type == MCV_EMITTER_SCREEN) {
+        uint32_t pixels[2];
+        screen_resolution(scene, &emitter->as.screen, pixels);
+        for (int i = 0; i < 2; ++i) size[i] = pixels[i] * emitter->as.screen.pixelPitch[i];
+        return;
+    }
     for (int i = 0; i < 2; ++i)
         size[i] = emitter->type == MCV_EMITTER_PROJECTOR ? emitter->as.projector.lensDiameter
                   : given                                ? given[i]
@@ -70,7 +100,7 @@ void mcv_emitter_size(const mcv_emitter *emitter, double size[2]) {
 
 bool mcv_emitter_mirrors(const mcv_emitter *emitter) {
     const int *mirror = parameter(emitter, "mirror");
-    return mirror && *mirror;
+    return emitter->type == MCV_EMITTER_SCREEN || (mirror && *mirror);
 }
 
 static const struct {
@@ -97,7 +127,7 @@ mcv_result mcv_emitter_check_image(const mcv_scene *scene, const mcv_emitter *em
         return mcv_fail_at(&here, error, "texture %u does not exist", *image);
     if (!mcv_emitter_has_surface(emitter->type)) return MCV_OK;
     const mcv_mesh *mesh = scene->meshes + scene->instances[emitter->instance].mesh;
-    if (mesh->triangle_count != 2 || !mesh->texcoords)
+    if (emitter->type != MCV_EMITTER_SCREEN && (mesh->triangle_count != 2 || !mesh->texcoords))
         return mcv_fail_at(
             place, error,
             "an image must lie on a rectangle of two triangles with texture coordinates");
@@ -148,17 +178,17 @@ static double aperture_share(const mcv_collimated_beam_params *p, const mcv_text
     return disk_share(x1, y1) - disk_share(x0, y1) - disk_share(x1, y0) + disk_share(x0, y0);
 }
 
-void mcv_projector_resolution(const mcv_projector_params *p, const mcv_texture *texture,
-                              uint32_t pixels[2]) {
-    const bool pattern = p->pattern.type != MCV_NONE;
-    pixels[0] = pattern ? p->pattern.resolution[0] : texture->width;
-    pixels[1] = pattern ? p->pattern.resolution[1] : texture->height;
+void mcv_picture_resolution(const mcv_pattern *pattern, const mcv_texture *texture,
+                            uint32_t pixels[2]) {
+    const bool shown = pattern->type != MCV_NONE;
+    pixels[0] = shown ? pattern->resolution[0] : texture->width;
+    pixels[1] = shown ? pattern->resolution[1] : texture->height;
 }
 
 void mcv_image_tangents(const mcv_projector_params *p, const mcv_texture *texture,
                         double tangents[2]) {
     uint32_t pixels[2];
-    mcv_projector_resolution(p, texture, pixels);
+    mcv_picture_resolution(&p->pattern, texture, pixels);
     for (int i = 0; i < 2; ++i) tangents[i] = pixels[i] * p->pixelSize[i] / (2 * p->imageDistance);
 }
 
@@ -257,6 +287,8 @@ double mcv_emitter_projected_solid_angle(const mcv_emitter *emitter) {
         const double a = emitter->as.light_field_emitter.angularRange;
         return 4 * disk_share(a, a);
     }
+    if (emitter->type == MCV_EMITTER_SCREEN)
+        return 2 * M_PI / (emitter->as.screen.falloffExponent + 2);
     const double beta = mcv_emitter_half_angle(emitter);
     return isnan(beta) ? M_PI : M_PI * sin(beta) * sin(beta);
 }
@@ -269,6 +301,12 @@ static double projector_unit_power(const mcv_scene *scene, const mcv_emitter *em
                        emitter->texture == MCV_NONE ? &pixel : scene->textures + emitter->texture,
                        edge);
     return image_share(&emitter->as.projector, -edge[0], edge[0], -edge[1], edge[1]);
+}
+
+/* The share of a screen's area that is no gap. */
+static double lit_share(const mcv_emitter *emitter) {
+    const mcv_screen_params *p = &emitter->as.screen;
+    return (1 - p->pixelGap[0] / p->pixelPitch[0]) * (1 - p->pixelGap[1] / p->pixelPitch[1]);
 }
 
 double mcv_emitter_unit_power(const mcv_scene *scene, const mcv_emitter *emitter) {
@@ -286,6 +324,8 @@ double mcv_emitter_unit_power(const mcv_scene *scene, const mcv_emitter *emitter
                 mcv_half_sine_squared(spot->outerConeAngle));
     case MCV_EMITTER_PROJECTOR:
         return projector_unit_power(scene, emitter);
+    case MCV_EMITTER_SCREEN:
+        return mcv_emitter_projected_solid_angle(emitter) * emitter->area * lit_share(emitter);
     case MCV_EMITTER_COLLIMATED_BEAM:
         return beam->aperture == MCV_APERTURE_CIRCLE
                    ? M_PI * mcv_beam_radius(beam) * mcv_beam_radius(beam)

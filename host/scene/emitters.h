@@ -35,7 +35,7 @@ mcv_result mcv_emitter_resolve(const mcv_scene *scene, mcv_emitter *emitter,
                                const mcv_json_path *place, mcv_error *error);
 
 /* Width and height of its rectangle, or NaN where it is not one of its own [m]. */
-void mcv_emitter_size(const mcv_emitter *emitter, double size[2]);
+void mcv_emitter_size(const mcv_scene *scene, const mcv_emitter *emitter, double size[2]);
 
 /* The member `radiance` or `power` of the parameters, or NULL where this type has none. */
 double *mcv_emitter_parameter(mcv_emitter *emitter, const char *key);
@@ -52,10 +52,16 @@ uint32_t *mcv_emitter_image(mcv_emitter *emitter);
 mcv_pattern *mcv_emitter_pattern(mcv_emitter *emitter);
 uint32_t *mcv_emitter_index(mcv_emitter *emitter);
 
-/* Width and height of a projector's image in pixels: of its texture, or of the pattern that the
- * texture holds a line of. */
-void mcv_projector_resolution(const mcv_projector_params *p, const mcv_texture *texture,
-                              uint32_t pixels[2]);
+/* Width and height of a projector's or screen's image in pixels: of its texture, or of the pattern
+ * that the texture holds a line of. */
+void mcv_picture_resolution(const mcv_pattern *pattern, const mcv_texture *texture,
+                            uint32_t pixels[2]);
+
+/* Does a screen's light depend on the angle or on the place in a pixel (feature SCREEN)? */
+bool mcv_screen_has_structure(const mcv_emitter *emitter);
+
+/* How far a screen rises at a place from -1 to 1 across its width and height [m]. */
+double mcv_screen_rise(const mcv_screen_params *p, double xi, double eta);
 
 /* Half-angle β of its emission cone [rad]; NaN where the type has none. */
 double mcv_emitter_half_angle(const mcv_emitter *emitter);

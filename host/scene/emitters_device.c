@@ -107,7 +107,20 @@ void mcv_collimated_beam_prepare(const mcv_scene *scene, uint32_t index,
 
 void mcv_surface_light_prepare(const mcv_scene *scene, uint32_t index, mcv_surface_light *device) {
     const mcv_emitter *emitter = scene->emitters + index;
+    const mcv_screen_params *p = &emitter->as.screen;
     *device = (mcv_surface_light){.distribution = emitter->type};
+    if (emitter->type != MCV_EMITTER_SCREEN) return;
+    if (!mcv_screen_has_structure(emitter)) { /* one without the feature SCREEN */
+        device->distribution = MCV_EMITTER_AREA;
+        return;
+    }
+    uint32_t pixels[2];
+    mcv_picture_resolution(&p->pattern, scene->textures + emitter->texture, pixels);
+    device->as.screen = (mcv_screen){.exponent = (float)p->falloffExponent,
+                                     .columns = pixels[0],
+                                     .rows = pixels[1],
+                                     .lit = {(float)(1 - p->pixelGap[0] / p->pixelPitch[0]),
+                                             (float)(1 - p->pixelGap[1] / p->pixelPitch[1])}};
 }
 
 void mcv_point_light_prepare(const mcv_scene *scene, uint32_t index, const double centre[3],

@@ -80,7 +80,7 @@ static void report_lens(mcv_report *report, const mcv_scene *scene, const mcv_em
     const mcv_projector_params *p = &emitter->as.projector;
     const double scale = p->focusDistance / p->imageDistance;
     uint32_t pixels[2];
-    mcv_projector_resolution(p, scene->textures + emitter->texture, pixels);
+    mcv_picture_resolution(&p->pattern, scene->textures + emitter->texture, pixels);
     mcv_report_number(report, "focalLength", "m", p->focalLength);
     mcv_report_number(report, "imageDistance", "m", p->imageDistance);
     mcv_report_number(report, "focusDistance", "m", p->focusDistance);

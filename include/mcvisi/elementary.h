@@ -42,4 +42,11 @@ MCV_LOOP_FUNCTION float mcv_log_1_plus(float x) {
     return y > 1.0f ? log_y * (x / (y - 1.0f)) : x; /* corrects the rounding of y */
 }
 
+/* cos^n θ = exp(-n ln(1/cosθ)) for n >= 0; 0 from 90° on. */
+MCV_LOOP_FUNCTION float mcv_cosine_power(float cosine, float n) {
+    const float c = cosine > 0.0f ? (cosine < 1.0f ? cosine : 1.0f) : 1.0f;
+    const float power = mcv_exp_minus(n * mcv_log_1_plus((1.0f - c) / c));
+    return cosine > 0.0f ? power : 0.0f;
+}
+
 #endif

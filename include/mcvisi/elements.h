@@ -27,7 +27,8 @@
  * (mcvisi/surface_light.h). */
 /* clang-format off */
 #define MCV_SURFACE_LIGHTS(X) \
-    X(area, "area", AREA)
+    X(area, "area", AREA) \
+    X(screen, "screen", SCREEN)
 /* clang-format on */
 
 #define MCV_EMITTERS(X) \
@@ -130,6 +131,7 @@ enum { MCV_MATERIALS(MCV_MATERIAL_ENUM) MCV_MATERIAL_COUNT };
 #endif
 #if !MCV_ON_DEVICE || MCV_WITH_AREA
 #include "mcvisi/emitters/area.h"
+#include "mcvisi/emitters/screen.h"
 #endif
 #if !MCV_ON_DEVICE || MCV_WITH_ENVIRONMENT_IMAGE
 #include "mcvisi/emitters/environment.h"
@@ -146,9 +148,6 @@ enum { MCV_MATERIALS(MCV_MATERIAL_ENUM) MCV_MATERIAL_COUNT };
 #if !MCV_ON_DEVICE || MCV_WITH_DIFFUSE
 #include "mcvisi/materials/diffuse.h"
 #endif
-#if !MCV_ON_DEVICE || MCV_WITH_DIELECTRIC
-#include "mcvisi/materials/dielectric.h"
-#endif
 #if !MCV_ON_DEVICE || MCV_WITH_SHEET
 #include "mcvisi/materials/beam_splitter.h"
 #include "mcvisi/materials/sheet.h"
@@ -162,6 +161,7 @@ enum { MCV_MATERIALS(MCV_MATERIAL_ENUM) MCV_MATERIAL_COUNT };
 #include "mcvisi/emitters/telecentric_projector.h"
 #include "mcvisi/materials/absorber.h"
 #include "mcvisi/materials/conductor.h"
+#include "mcvisi/materials/dielectric.h"
 #include "mcvisi/materials/metallic_roughness.h"
 #include "mcvisi/materials/mirror.h"
 #endif

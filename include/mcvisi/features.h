@@ -32,6 +32,7 @@
     X(LIGHT_FIELD, "light-field", "the scene has a light field emitter") \
     X(PROJECTOR, "projector", "the scene has a projector") \
     X(AREA, "area", "the scene has a diffuse area emitter") \
+    X(SCREEN, "screen", "a screen has gaps between its pixels, or a fall-off with the angle") \
     X(ENVIRONMENT, "environment", "the scene has a uniform environment") \
     X(ENVIRONMENT_IMAGE, "environment-image", "the scene has an environment with an image") \
     X(BEAM, "collimated-beam", "the scene has a collimated beam") \

@@ -16,10 +16,10 @@ typedef struct mcv_surface_light {
 #define MCV_X(name, key, NAME) mcv_##name name;
         MCV_SURFACE_LIGHTS(MCV_X)
 #undef MCV_X
-        uint words[3]; /* the most that one has */
+        uint words[5]; /* the most that one has */
     } as;
 } mcv_surface_light;
-MCV_ASSERT_SIZE(mcv_surface_light, 16);
+MCV_ASSERT_SIZE(mcv_surface_light, 24);
 
 /* The share of L that is sent at an angle of the given cosine. Without branches: a loop over paths
  * calls it. */

@@ -226,7 +226,7 @@ typedef struct mcv_device_emitter {
 #if !MCV_ON_DEVICE || MCV_WITH_AREA
     mcv_surface_light surface_light;
 #else
-    uint no_surface_light[4];
+    uint no_surface_light[6];
 #endif
 #if !MCV_ON_DEVICE || MCV_WITH_RECTANGLE
     mcv_rectangle rectangle;
@@ -234,7 +234,7 @@ typedef struct mcv_device_emitter {
     uint no_rectangle[24];
 #endif
 } mcv_device_emitter;
-MCV_ASSERT_SIZE(mcv_device_emitter, 504);
+MCV_ASSERT_SIZE(mcv_device_emitter, 512);
 
 /* A node of the light tree: emitters that are chosen together (kernels/light/tree.h). */
 typedef struct mcv_light_node {

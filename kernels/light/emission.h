@@ -57,6 +57,13 @@ MCV_LOOP_FUNCTION mcv_color mcv_full_radiance(mcv_world world, mcv_surface surfa
     if (e->texture != MCV_NONE)
         radiance = mcv_tint(radiance, mcv_texture_at(world, surface, e->texture));
 #endif
+#if MCV_WITH_SCREEN
+    const int screen =
+        (e->type == MCV_EMITTER_AREA) & (e->surface_light.distribution == MCV_EMITTER_SCREEN);
+    const float lit = mcv_screen_lit(&e->surface_light.as.screen, mcv_texcoord(world, surface, 0),
+                                     mcv_texcoord(world, surface, 1));
+    radiance = mcv_dim(radiance, screen ? lit : 1.0f);
+#endif
     return radiance;
 }
 

@@ -42,7 +42,6 @@
 #ifndef MCVISI_MATERIALS_DIELECTRIC_H
 #define MCVISI_MATERIALS_DIELECTRIC_H
 
-#include "mcvisi/elementary.h"
 #include "mcvisi/materials/material.h"
 
 #define MCV_DIELECTRIC_PARAMS(X) \

@@ -35,11 +35,9 @@ typedef struct mcv_led_panel {
 } mcv_led_panel;
 
 /* The share of L at an angle of the given cosine; nothing comes from behind. Host and device
- * compile it; a loop over paths calls it, so it has no branches. cos^k θ = exp(-k ln(1/cosθ)). */
+ * compile it; a loop over paths calls it, so it has no branches. */
 MCV_LOOP_FUNCTION float mcv_led_panel_share(MCV_GLOBAL const mcv_led_panel *light, float cosine) {
-    const float c = cosine > 0.0f ? (cosine < 1.0f ? cosine : 1.0f) : 1.0f;
-    const float share = mcv_exp_minus(light->exponent * mcv_log_1_plus((1.0f - c) / c));
-    return cosine > 0.0f ? share : 0.0f;
+    return mcv_cosine_power(cosine, light->exponent);
 }
 
 #endif
