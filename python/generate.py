@@ -324,9 +324,10 @@ RIG_VERBS = [
     Verb(
         "add_defect",
         "defect",
-        "Puts a defect onto the surface of a node: a dent, a bump, a scratch; or inside of it: a\n"
-        "bubble, an inclusion, a stria. Returns what was added; what is odd is its `notes`.",
-        'kind: Literal["dent", "bump", "scratch", "bubble", "inclusion", "stria"]',
+        "Puts a defect onto the surface of a node, as a dent or a scratch, or inside of it, as a\n"
+        "bubble. Returns what was added; what is odd is its `notes`.",
+        'kind: Literal["dent", "bump", "scratch", "dig", "burr", "chip", "missingPart", "stain", '
+        '"roughPatch", "bubble", "inclusion", "stria", "crack"]',
         "Mapping[str, Any]",
         "return self._add_defect(kind, options)",
         without="output",

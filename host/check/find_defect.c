@@ -12,12 +12,25 @@ static const double least_wavelengths = 2;
 /* Below this share of a pixel's width a defect cannot be told from the noise of any camera. */
 static const double least_pixels = 0.01;
 
+/* Light tunnels through a crack that is open by less than a wavelength, and interferes in it. */
+static mcv_result find_closed_crack(const mcv_defect *defect, double least, mcv_findings *findings,
+                                    mcv_error *error) {
+    char opening[32], wavelength[32];
+    if (defect->type != MCV_DEFECT_CRACK || defect->depth >= least) return MCV_OK;
+    return mcv_findings_add(
+        findings, MCV_SEVERITY_WARNING, "defects", defect->name, "opening", error,
+        "a crack that is open by %s, less than two wavelengths, %s: light interferes in it and "
+        "tunnels through it, which rays do not",
+        mcv_length_in_words(defect->depth, opening), mcv_length_in_words(least, wavelength));
+}
+
 static mcv_result find_diffracting(const mcv_scene *scene, const mcv_defect *defect,
                                    mcv_findings *findings, mcv_error *error) {
     double longest = 0;
     char size[32], wavelength[32];
     for (int channel = 0; channel < 3; ++channel)
         longest = fmax(longest, mcv_scene_wavelength(scene, channel));
+    MCV_TRY(find_closed_crack(defect, least_wavelengths * longest, findings, error));
     if (defect->size >= least_wavelengths * longest) return MCV_OK;
     return mcv_findings_add(
         findings, MCV_SEVERITY_WARNING, "defects", defect->name, "size", error,

@@ -52,27 +52,63 @@ static int choice(const mcv_defect *d, const mcv_defect_params *params, const ch
     return found ? *found : 0;
 }
 
-bool mcv_defect_is_inside(uint32_t type) {
-    return type == MCV_DEFECT_BUBBLE || type == MCV_DEFECT_INCLUSION || type == MCV_DEFECT_STRIA;
+mcv_defect_kind mcv_defect_kind_of(uint32_t type) {
+    switch (type) {
+    case MCV_DEFECT_DIG:
+        return MCV_KIND_PIT;
+    case MCV_DEFECT_CHIP:
+    case MCV_DEFECT_MISSING_PART:
+        return MCV_KIND_CUT;
+    case MCV_DEFECT_STAIN:
+    case MCV_DEFECT_ROUGH_PATCH:
+        return MCV_KIND_PATCH;
+    case MCV_DEFECT_BUBBLE:
+    case MCV_DEFECT_INCLUSION:
+    case MCV_DEFECT_STRIA:
+    case MCV_DEFECT_CRACK:
+        return MCV_KIND_INSIDE;
+    default:
+        return MCV_KIND_RELIEF;
+    }
+}
+
+bool mcv_defect_takes_material(uint32_t type) {
+    return type == MCV_DEFECT_INCLUSION || type == MCV_DEFECT_STAIN;
+}
+
+/* A ball that reaches deeper than its middle would undercut the part; so would a pit whose rim is
+ * steeper than upright. */
+static mcv_result check_depth(const mcv_defect *defect, const mcv_json_path *place,
+                              mcv_error *error) {
+    const mcv_json_path here = mcv_json_path_key(place, "depth");
+    if (defect->type == MCV_DEFECT_DIG && !(defect->depth < defect->size / 2))
+        return mcv_fail_at(&here, error, "%g m must be below half of the size, %g m", defect->depth,
+                           defect->size);
+    if (defect->type == MCV_DEFECT_CHIP && !(defect->depth <= defect->size / 2))
+        return mcv_fail_at(&here, error, "%g m must be at most half of the size, %g m",
+                           defect->depth, defect->size);
+    return MCV_OK;
 }
 
 mcv_result mcv_defect_resolve(mcv_defect *defect, const mcv_defect_params *params,
                               const mcv_json_path *place, mcv_error *error) {
-    const double usual_depth = 0.1, usual_length = 20; /* in sizes */
+    const bool crack = defect->type == MCV_DEFECT_CRACK, chip = defect->type == MCV_DEFECT_CHIP;
+    const double usual_depth = crack ? 0.01 : chip ? 0.5 : 0.1, usual_length = 20; /* in sizes */
     const mcv_json_path at_length = mcv_json_path_key(place, "length");
     defect->size = number(defect, params, "size");
-    defect->depth = number(defect, params, "depth");
+    defect->depth = number(defect, params, crack ? "opening" : "depth");
     defect->length = number(defect, params, "length");
     defect->pile_up = number(defect, params, "pileUp");
     defect->form = choice(defect, params, "shape") + choice(defect, params, "profile");
     const uint32_t *tubes = mcv_params_find(mcv_defect_table(defect->type), "tubes", params);
     defect->tubes = tubes ? *tubes : 0;
     defect->index = number(defect, params, "ior") + number(defect, params, "indexStep");
+    defect->roughness = number(defect, params, "roughness");
     defect->host = defect->material = MCV_NONE;
     if (isnan(defect->depth)) defect->depth = usual_depth * defect->size;
     if (isnan(defect->length)) defect->length = usual_length * defect->size;
     if (defect->length > 0 && defect->length < defect->size)
         return mcv_fail_at(&at_length, error, "%g m must be at least the size, %g m",
                            defect->length, defect->size);
-    return MCV_OK;
+    return check_depth(defect, place, error);
 }

@@ -20,23 +20,64 @@ typedef struct mcv_defect_params {
 mcv_result mcv_defect_resolve(mcv_defect *defect, const mcv_defect_params *params,
                               const mcv_json_path *place, mcv_error *error);
 
-/* Does it lie inside of a body, not on a surface? */
-bool mcv_defect_is_inside(uint32_t type);
+/* What a type does to its part. */
+typedef enum mcv_defect_kind {
+    MCV_KIND_RELIEF, /* moves the surface along the normal, smoothly */
+    MCV_KIND_PIT,    /* the same within a sharp outline */
+    MCV_KIND_CUT,    /* moves what lies above a ball or a plane down to it */
+    MCV_KIND_PATCH,  /* gives what lies within an outline another material */
+    MCV_KIND_INSIDE  /* lies inside of a body, not on a surface */
+} mcv_defect_kind;
+mcv_defect_kind mcv_defect_kind_of(uint32_t type);
+static inline bool mcv_defect_is_inside(uint32_t type) {
+    return mcv_defect_kind_of(type) == MCV_KIND_INSIDE;
+}
+
+/* Must its entry name a material? */
+bool mcv_defect_takes_material(uint32_t type);
+
+/* --- sizes on drawings --- */
+
+/* Does a text look like one of the notations below, not like a length? */
+bool mcv_defect_is_notation(const char *text);
+
+/*
+ * The size [m] that a drawing states for a defect of this type, and how many there are; 0: not
+ * said.
+ *
+ *     ISO 10110-7  "5/ N x A" of digs, stains and rough patches: each has the area A² in mm²;
+ *                  "5/ L N x A" of scratches of the width A mm; "5/ E A" of chips that reach A mm
+ *                  from an edge; several terms are separated by ";"
+ *     ISO 10110-3  "1/ N x A" of bubbles and inclusions
+ *     MIL-PRF-13830B  "S-D", as in "60-40": scratches of the width S/10 µm, digs and bubbles of the
+ *                  diameter D/100 mm
+ *
+ * Fails for types without such a size and for other texts.
+ */
+mcv_result mcv_defect_read_notation(const char *text, uint32_t type, double *size, uint64_t *count,
+                                    const mcv_json_path *place, mcv_error *error);
 
 /* --- the relief --- */
 
-/* Extent of the relief in the tangent plane: the points within `radius` of the segment from
- * -half_length to half_length on the u axis. Beyond it h is 0. */
+/* Extent in the tangent plane: the points within `radius` of the segment from -half_length to
+ * half_length on the u axis. Beyond it nothing changes. */
 typedef struct mcv_footprint {
     double half_length, radius;
+    double lowest;  /* along the normal: what lies below stays as it is [m] */
     double fine;    /* the radius within which the mesh has its smallest edges [m] */
     double edge;    /* of these edges, across [m] */
     double stretch; /* how much longer they may be along u */
 } mcv_footprint;
 mcv_footprint mcv_defect_footprint(const mcv_defect *defect);
 
-/* h at (u, v) and its derivatives. */
+/* h at (u, v) and its derivatives; beyond a sharp outline that of the law within. */
 double mcv_defect_height(const mcv_defect *defect, double u, double v, double slope[2]);
+
+/* Above 0 for points u, v and height within the outline of a pit, a cut or a patch; continuous. */
+double mcv_defect_outline(const mcv_defect *defect, const double point[3]);
+
+/* The height to which a cut moves what lies above (u, v), and the normal of its face there. */
+double mcv_defect_cut(const mcv_defect *defect, double u, double v, double normal[3]);
 
 /* --- the place --- */
 
@@ -69,6 +110,11 @@ mcv_result mcv_defect_node(const mcv_scene *scene, const char *name, const mcv_p
 double mcv_defect_distance(const mcv_scene *scene, const uint32_t instances[2],
                            const double point[3], uint32_t *instance);
 
+/* mean_normal.c: the mean of the unit normals over the surface of the instances within `radius` of
+ * the point. False where they cancel. */
+bool mcv_defect_mean_normal(const mcv_scene *scene, const uint32_t instances[2],
+                            const double point[3], double radius, double normal[3]);
+
 /* --- by chance --- */
 
 /* How many, and where from. */
@@ -95,8 +141,9 @@ mcv_result mcv_defect_fits(const mcv_scene *scene, const mcv_defect *defect,
                            const mcv_json_path *place, mcv_error *error);
 
 /* Inside of a body: adds its exact surfaces to the scene. Else refines the meshes of the defect's
- * instances around it and moves their vertices. Meshes that other nodes use are copied first. Fails
- * where the defect reaches round an edge, lies on an emitter or would take too many triangles. */
+ * instances around it and moves their vertices, or makes a patch an instance of its own. Meshes
+ * that other nodes use are copied first. Fails where the defect reaches round an edge, goes through
+ * its part, lies on an emitter or would take too many triangles. */
 mcv_result mcv_defect_apply(mcv_scene *scene, const mcv_defect *defect, const mcv_json_path *place,
                             mcv_error *error);
 

@@ -19,7 +19,9 @@ typedef struct mcv_corner {
 typedef struct mcv_facet {
     mcv_corner corners[3];
     uint32_t instance;
-    bool inside; /* part of the surface that the defect lies on, not of what lies behind */
+    bool inside;   /* part of the surface that the defect lies on, not of what lies behind */
+    bool within;   /* the outline */
+    uint8_t fixed; /* bit k: corner k lies on the outline and must stay there */
 } mcv_facet;
 
 typedef struct mcv_facets {
@@ -56,6 +58,12 @@ double mcv_ground_triangle_distance(const mcv_ground *ground, const double corne
 bool mcv_ground_splits(const mcv_ground *ground, uint32_t instance, const mcv_corner *a,
                        const mcv_corner *b);
 
+/* The corner at the share t of the way from a to b. */
+mcv_corner mcv_corner_between(const mcv_corner *a, const mcv_corner *b, double t);
+
+/* -1, 0 or 1: an order of positions, in which both sides of an edge run along it. */
+int mcv_corner_compare(const mcv_corner *a, const mcv_corner *b);
+
 /* Halves edges of the facet until none is too long; appends what remains. More than `most` facets
  * are MCV_BAD_INPUT. */
 mcv_result mcv_facets_refine(mcv_facets *facets, const mcv_ground *ground, const mcv_facet *facet,
@@ -67,12 +75,34 @@ mcv_result mcv_facets_refine(mcv_facets *facets, const mcv_ground *ground, const
 mcv_result mcv_ground_find(mcv_ground *ground, uint8_t *const *marks, const mcv_json_path *place,
                            mcv_error *error);
 
+/* outline.c: cuts the facets of the surface along the outline and tells which lie within. Fails
+ * where what a cut takes away is no height over its face. */
+mcv_result mcv_facets_cut(mcv_facets *facets, const mcv_ground *ground, const mcv_json_path *place,
+                          mcv_error *error);
+
+/* move.c: moves corner k of a facet as the defect does, and turns its normal. */
+void mcv_facet_move(const mcv_ground *ground, mcv_facet *facet, int k);
+
 /* inside.c: adds the exact surfaces of a defect inside of a body. */
 mcv_result mcv_defect_embed(mcv_scene *scene, const mcv_defect *defect, mcv_error *error);
 
 /* Replaces the mesh of an instance: its triangles without those that are marked, and the facets of
- * this instance. */
+ * this instance; of a patch, those that are not within it. */
 mcv_result mcv_facets_replace(const mcv_facets *facets, mcv_scene *scene, uint32_t instance,
-                              const uint8_t *marks, const mcv_json_path *place, mcv_error *error);
+                              const uint8_t *marks, const mcv_defect *defect,
+                              const mcv_json_path *place, mcv_error *error);
+
+/* patch.c: the facets of the instance within a patch become an instance behind it, of their own
+ * material. Call it before mcv_facets_replace. Fails where the patch would cover all of the
+ * instance, or lies on glass. */
+mcv_result mcv_facets_add_patch(const mcv_facets *facets, mcv_scene *scene, uint32_t instance,
+                                const uint8_t *marks, const mcv_defect *defect,
+                                const mcv_json_path *place, mcv_error *error);
+
+/* Makes a mesh, in the way of `old`, of its triangles without those that are marked (NULL: of
+ * none), and of the facets of the instance that are (`of_patch`) or are not within the patch. */
+mcv_result mcv_facets_mesh(const mcv_facets *facets, const mcv_scene *scene, uint32_t instance,
+                           const uint8_t *marks, bool patch, bool of_patch, mcv_mesh *mesh,
+                           const mcv_json_path *place, mcv_error *error);
 
 #endif

@@ -8,6 +8,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* A triangle that the footprint reaches, on whichever surface. */
 typedef struct candidate {
@@ -85,8 +86,10 @@ static bool find_candidates(search *s) {
         for (uint32_t t = 0; t < count; ++t) {
             candidate one = {.instance = i, .triangle = t};
             local_corners(ground, i, t, one.corners);
-            if (mcv_ground_triangle_distance(ground, (const double(*)[3])one.corners) >=
-                ground->footprint.radius)
+            if (fmax(fmax(one.corners[0][2], one.corners[1][2]), one.corners[2][2]) <=
+                    ground->footprint.lowest ||
+                mcv_ground_triangle_distance(ground, (const double(*)[3])one.corners) >=
+                    ground->footprint.radius)
                 continue;
             one.away = distance_of((const double(*)[3])one.corners);
             if (!add_candidate(s, &one)) return false;
@@ -126,8 +129,9 @@ static bool find_borders(search *s) {
                 one->ends[3 + j] = swapped ? a[j] : b[j];
             }
             one->candidate = i;
-            if (mcv_ground_edge_distance(s->ground, one->ends, one->ends + 3) <
-                s->ground->footprint.radius)
+            if (fmax(a[2], b[2]) > s->ground->footprint.lowest &&
+                mcv_ground_edge_distance(s->ground, one->ends, one->ends + 3) <
+                    s->ground->footprint.radius)
                 ++s->border_count;
         }
     qsort(s->borders, s->border_count, sizeof *s->borders, compare_borders);
@@ -170,17 +174,35 @@ static double facing(const candidate *one) {
 /* Surfaces that are steeper against the tangent plane are another side of the part. */
 static const double steepest = 60 * M_PI / 180;
 
+/* Does a cut reach a triangle of another surface? */
+static bool is_cut(const mcv_ground *ground, const candidate *one) {
+    const mcv_defect *d = ground->defect;
+    double above[3][3];
+    bool within = false;
+    for (int k = 0; k < 3; ++k) {
+        memcpy(above[k], one->corners[k], sizeof above[k]);
+        above[k][2] += d->depth - d->size / 2; /* from the middle of a chip's ball */
+        within = within || mcv_defect_outline(d, one->corners[k]) > 0;
+    }
+    return within ||
+           (d->type == MCV_DEFECT_CHIP && distance_of((const double(*)[3])above) < d->size / 2);
+}
+
 static mcv_result mark(search *s, mcv_ground *ground, uint8_t *const *marks,
                        const mcv_json_path *place, mcv_error *error) {
     const size_t root = join(s);
     const double margin = ground->footprint.radius;
+    const bool cut = mcv_defect_kind_of(ground->defect->type) == MCV_KIND_CUT;
     ground->low = INFINITY;
     ground->high = -INFINITY;
     for (size_t i = 0; i < s->count; ++i) {
         const candidate *one = s->candidates + i;
+        if (root_of(s, i) != root && cut && is_cut(ground, one))
+            return mcv_fail_at(place, error,
+                               "reaches another side of its part: move it, or make it smaller");
         if (root_of(s, i) != root) continue;
         const double cosine = facing(one);
-        if (cosine < cos(steepest))
+        if (cosine < cos(steepest) && !cut)
             return mcv_fail_at(place, error,
                                "reaches round an edge of its part, where the surface is turned by "
                                "%.3g deg: move it, or make it smaller",

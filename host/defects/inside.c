@@ -86,17 +86,35 @@ static void axis_point(const mcv_defect *d, double t, double p[3]) {
     for (int i = 0; i < 3; ++i) p[i] = d->centre[i] + 0.5 * t * d->length * d->axes[2][i];
 }
 
+/* Does the body, a solid or closed meshes, hold a ball about p? */
+static bool holds_ball(const mcv_scene *scene, const mcv_defect *d, const mcv_solid *solid,
+                       const double p[3], double radius) {
+    uint32_t instance;
+    if (solid) return solid_holds_ball(solid, p, radius);
+    return mcv_defect_distance(scene, d->instances, p, &instance) >= radius &&
+           mesh_holds(scene, d->instances, p);
+}
+
+/* A ball as large as the disc's opening at points of its rim. */
+static bool disc_fits(const mcv_scene *scene, const mcv_defect *d, const mcv_solid *solid) {
+    enum { STEPS = 32 };
+    for (int k = 0; k < STEPS; ++k) {
+        const double angle = 2 * M_PI * k / STEPS, u = d->size / 2 * cos(angle),
+                     v = d->size / 2 * sin(angle);
+        double p[3];
+        for (int i = 0; i < 3; ++i) p[i] = d->centre[i] + u * d->axes[0][i] + v * d->axes[1][i];
+        if (!holds_ball(scene, d, solid, p, d->depth / 2)) return false;
+    }
+    return true;
+}
+
 static bool fits(const mcv_scene *scene, const mcv_defect *d, const mcv_solid *solid) {
     enum { STEPS = 8 };
-    const double radius = outer_radius(d);
+    if (d->type == MCV_DEFECT_CRACK) return disc_fits(scene, d, solid);
     for (int k = -STEPS; k <= STEPS; ++k) {
         double p[3];
-        uint32_t instance;
         axis_point(d, (double)k / STEPS, p);
-        if (solid ? !solid_holds_ball(solid, p, radius)
-                  : mcv_defect_distance(scene, d->instances, p, &instance) < radius ||
-                        !mesh_holds(scene, d->instances, p))
-            return false;
+        if (!holds_ball(scene, d, solid, p, outer_radius(d))) return false;
         if (d->length == 0) return true;
     }
     return true;
@@ -195,23 +213,33 @@ static mcv_result add_ball(mcv_scene *scene, const mcv_defect *d, mcv_error *err
     return mcv_scene_add_solid(scene, &ball, d->name, material, material, error);
 }
 
-/* Tube k of K, the outermost first: the host's index and (k + 1)/K of the step. */
-static mcv_result add_tube(mcv_scene *scene, const mcv_defect *d, uint32_t k, mcv_error *error) {
+/* A cylinder along the defect's axis, of a dielectric of its own. */
+static mcv_result add_cylinder(mcv_scene *scene, const mcv_defect *d, double radius, double length,
+                               const double ior[3], double above, mcv_error *error) {
     mcv_solid tube = {.side = MCV_SIDE_CYLINDER,
-                      .radius = tube_radius(d, k),
-                      .caps = {{.z = -d->length / 2}, {.z = d->length / 2}}};
-    double ior[3];
+                      .radius = radius,
+                      .caps = {{.z = -length / 2}, {.z = length / 2}}};
     for (int i = 0; i < 3; ++i) {
-        ior[i] = scene->materials[d->host].as.medium.ior[i] + d->index * (k + 1) / d->tubes;
         for (int j = 0; j < 3; ++j) tube.to_world.m[3 * i + j] = d->axes[j][i];
         tube.to_world.m[9 + i] = d->centre[i];
     }
-    MCV_TRY(add_medium(scene, d, ior, k + 1, error));
+    MCV_TRY(add_medium(scene, d, ior, above, error));
     const uint32_t material = scene->material_count - 1;
     return mcv_scene_add_solid(scene, &tube, d->name, material, material, error);
 }
 
+/* Tube k of K, the outermost first: the host's index and (k + 1)/K of the step. */
+static mcv_result add_tube(mcv_scene *scene, const mcv_defect *d, uint32_t k, mcv_error *error) {
+    double ior[3];
+    for (int i = 0; i < 3; ++i)
+        ior[i] = scene->materials[d->host].as.medium.ior[i] + d->index * (k + 1) / d->tubes;
+    return add_cylinder(scene, d, tube_radius(d, k), d->length, ior, k + 1, error);
+}
+
 mcv_result mcv_defect_embed(mcv_scene *scene, const mcv_defect *defect, mcv_error *error) {
+    const double gas[3] = {defect->index, defect->index, defect->index};
+    if (defect->type == MCV_DEFECT_CRACK)
+        return add_cylinder(scene, defect, defect->size / 2, defect->depth, gas, 1, error);
     if (defect->type != MCV_DEFECT_STRIA) return add_ball(scene, defect, error);
     for (uint32_t k = 0; k < defect->tubes; ++k) MCV_TRY(add_tube(scene, defect, k, error));
     return MCV_OK;

@@ -198,13 +198,33 @@ static bool first_axis(const mcv_placement *node, const double direction[3], dou
     return false;
 }
 
-static bool make_axes(const mcv_scene *scene, const mcv_placement *node, const spot *at,
-                      const double direction[3], double axes[3][3]) {
+/* What a chip or a missing part turns up: the direction, else the mean normal, which a burr has,
+ * too. Others have the normal of the surface. */
+static bool find_normal(const mcv_scene *scene, const mcv_placement *node, const spot *at,
+                        const double direction[3], const mcv_defect *defect, double normal[3]) {
+    const bool cut = mcv_defect_kind_of(defect->type) == MCV_KIND_CUT;
     double normals[3][3], sum[3];
+    if (cut && (direction[0] != 0 || direction[1] != 0 || direction[2] != 0)) {
+        mcv_transform_vector(&node->to_world, direction, sum);
+        return mcv_normalize3(sum, normal);
+    }
+    if ((cut || defect->type == MCV_DEFECT_BURR) &&
+        mcv_defect_mean_normal(scene, node->instances, at->point, defect->size / 2, normal))
+        return true;
     mcv_scene_vertex_normals(scene, at->instance, at->triangle, normals);
     combine((const double(*)[3])normals, at->weights, sum);
-    if (!mcv_normalize3(sum, axes[2])) memcpy(axes[2], normals[0], sizeof axes[2]);
-    if (!first_axis(node, direction, axes)) return false;
+    if (!mcv_normalize3(sum, normal)) memcpy(normal, normals[0], sizeof normals[0]);
+    return true;
+}
+
+static bool make_axes(const mcv_scene *scene, const mcv_placement *node, const spot *at,
+                      const double direction[3], mcv_defect *defect) {
+    static const double none[3] = {0, 0, 0};
+    const bool cut = mcv_defect_kind_of(defect->type) == MCV_KIND_CUT;
+    double(*axes)[3] = defect->axes;
+    if (!find_normal(scene, node, at, direction, defect, axes[2]) ||
+        !first_axis(node, cut ? none : direction, axes))
+        return false;
     mcv_cross3(axes[2], axes[0], axes[1]);
     return true;
 }
@@ -229,7 +249,7 @@ mcv_result mcv_defect_locate(const mcv_scene *scene, const mcv_defect_site *site
         return mcv_fail_at(&number, error, "%u does not exist: triangles go from 0 to %u",
                            site->triangle, triangles - 1);
     memcpy(defect->centre, at.point, sizeof defect->centre);
-    if (!make_axes(scene, node, &at, site->direction, defect->axes))
+    if (!make_axes(scene, node, &at, site->direction, defect))
         return mcv_fail_at(&direction, error,
                            "must be a direction along the surface, not along its normal");
     return MCV_OK;

@@ -78,8 +78,8 @@ static int compare_positions(const float a[3], const float b[3]) {
     return 0;
 }
 
-static void halve(const float a[3], const float b[3], float middle[3]) {
-    for (int i = 0; i < 3; ++i) middle[i] = 0.5f * a[i] + 0.5f * b[i];
+static void mix(const float *a, const float *b, double t, int count, float *between) {
+    for (int i = 0; i < count; ++i) between[i] = (float)((1 - t) * a[i] + t * b[i]);
 }
 
 bool mcv_ground_splits(const mcv_ground *ground, uint32_t instance, const mcv_corner *a,
@@ -88,7 +88,7 @@ bool mcv_ground_splits(const mcv_ground *ground, uint32_t instance, const mcv_co
     const int order = compare_positions(a->position, b->position);
     double p[3], q[3];
     float middle[3];
-    halve(a->position, b->position, middle);
+    mix(a->position, b->position, 0.5, 3, middle);
     if (compare_positions(middle, a->position) == 0 || compare_positions(middle, b->position) == 0)
         return false;
     /* In one order, so that rounding is the same on both sides. */
@@ -101,33 +101,32 @@ bool mcv_ground_splits(const mcv_ground *ground, uint32_t instance, const mcv_co
     return length > f->edge + grading * beyond;
 }
 
-static mcv_corner middle_of(const mcv_corner *a, const mcv_corner *b) {
+int mcv_corner_compare(const mcv_corner *a, const mcv_corner *b) {
+    return compare_positions(a->position, b->position);
+}
+
+static void mix_directions(const float a[3], const float b[3], double t, float between[3]) {
+    double way[3];
+    for (int i = 0; i < 3; ++i) way[i] = (1 - t) * a[i] + t * b[i];
+    if (!mcv_normalize3(way, way))
+        for (int i = 0; i < 3; ++i) way[i] = a[i];
+    for (int i = 0; i < 3; ++i) between[i] = (float)way[i];
+}
+
+mcv_corner mcv_corner_between(const mcv_corner *a, const mcv_corner *b, double t) {
     mcv_corner m;
-    double normal[3], tangent[3];
-    halve(a->position, b->position, m.position);
-    for (int i = 0; i < 3; ++i) {
-        normal[i] = (double)a->normal[i] + b->normal[i];
-        tangent[i] = (double)a->tangent[i] + b->tangent[i];
-    }
-    if (!mcv_normalize3(normal, normal))
-        for (int i = 0; i < 3; ++i) normal[i] = a->normal[i];
-    if (!mcv_normalize3(tangent, tangent))
-        for (int i = 0; i < 3; ++i) tangent[i] = a->tangent[i];
-    for (int i = 0; i < 3; ++i) {
-        m.normal[i] = (float)normal[i];
-        m.tangent[i] = (float)tangent[i];
-    }
+    mix(a->position, b->position, t, 3, m.position);
+    mix_directions(a->normal, b->normal, t, m.normal);
+    mix_directions(a->tangent, b->tangent, t, m.tangent);
     m.tangent[3] = a->tangent[3];
-    for (int i = 0; i < 2; ++i) {
-        m.texcoord[i] = 0.5f * a->texcoord[i] + 0.5f * b->texcoord[i];
-        m.texcoord1[i] = 0.5f * a->texcoord1[i] + 0.5f * b->texcoord1[i];
-    }
+    mix(a->texcoord, b->texcoord, t, 2, m.texcoord);
+    mix(a->texcoord1, b->texcoord1, t, 2, m.texcoord1);
     return m;
 }
 
 static mcv_facet facet_of(const mcv_facet *like, const mcv_corner *a, const mcv_corner *b,
                           const mcv_corner *c) {
-    return (mcv_facet){{*a, *b, *c}, like->instance, like->inside};
+    return (mcv_facet){.corners = {*a, *b, *c}, .instance = like->instance, .inside = like->inside};
 }
 
 static double squared_length(const mcv_corner *a, const mcv_corner *b) {
@@ -148,7 +147,8 @@ static int split(const mcv_facet *facet, const bool halved[3], mcv_facet parts[4
         if ((count == 1 && halved[k]) || (count == 2 && !halved[(k + 2) % 3])) first = k;
     const mcv_corner *a = &facet->corners[first], *b = &facet->corners[(first + 1) % 3],
                      *c = &facet->corners[(first + 2) % 3];
-    const mcv_corner ab = middle_of(a, b), bc = middle_of(b, c), ca = middle_of(c, a);
+    const mcv_corner ab = mcv_corner_between(a, b, 0.5), bc = mcv_corner_between(b, c, 0.5),
+                     ca = mcv_corner_between(c, a, 0.5);
     if (count == 1) {
         parts[0] = facet_of(facet, a, &ab, c);
         parts[1] = facet_of(facet, &ab, b, c);

@@ -84,8 +84,28 @@ static double scratch_height(const mcv_defect *d, double u, double v, double slo
     return h * share;
 }
 
+/* A cap of the sphere through the rim and the middle. */
+static double dig_height(const mcv_defect *d, double u, double v, double slope[2]) {
+    const double radius = (d->size * d->size / 4 + d->depth * d->depth) / (2 * d->depth),
+                 up = sqrt(fmax(0, radius * radius - u * u - v * v));
+    slope[0] = u / up;
+    slope[1] = v / up;
+    return radius - d->depth - up;
+}
+
+static double burr_height(const mcv_defect *d, double u, double v, double slope[2]) {
+    double along, over_v;
+    const double share = fading(u, d->length / 2, fmin(3 * d->size, d->length / 2), &along),
+                 h = d->depth * round_law(MCV_SHAPE_COSINE, fabs(v) / d->size, &over_v);
+    slope[0] = h * along;
+    slope[1] = d->depth * over_v * v / (d->size * d->size) * share;
+    return h * share;
+}
+
 double mcv_defect_height(const mcv_defect *defect, double u, double v, double slope[2]) {
     if (defect->type == MCV_DEFECT_SCRATCH) return scratch_height(defect, u, v, slope);
+    if (defect->type == MCV_DEFECT_DIG) return dig_height(defect, u, v, slope);
+    if (defect->type == MCV_DEFECT_BURR) return burr_height(defect, u, v, slope);
     double over_r;
     const double sign = defect->type == MCV_DEFECT_DENT ? -1 : 1, depth = sign * defect->depth,
                  h = round_law(defect->form, hypot(u, v) / defect->size, &over_r);
@@ -94,20 +114,65 @@ double mcv_defect_height(const mcv_defect *defect, double u, double v, double sl
     return depth * h;
 }
 
+/* --- outlines --- */
+
+/* The height of the middle of a chip's ball. */
+static double ball_middle(const mcv_defect *d) { return d->size / 2 - d->depth; }
+
+double mcv_defect_outline(const mcv_defect *d, const double p[3]) {
+    if (d->type == MCV_DEFECT_MISSING_PART) return p[2] + d->size;
+    /* Above its middle the ball goes on as a cylinder: whatever stands there is cut off, too. */
+    const double below = d->type == MCV_DEFECT_CHIP ? fmin(0, p[2] - ball_middle(d)) : 0;
+    return d->size * d->size / 4 - p[0] * p[0] - p[1] * p[1] - below * below;
+}
+
+double mcv_defect_cut(const mcv_defect *d, double u, double v, double normal[3]) {
+    normal[0] = normal[1] = 0;
+    normal[2] = 1;
+    if (d->type == MCV_DEFECT_MISSING_PART) return -d->size;
+    const double radius = d->size / 2, down = sqrt(fmax(0, radius * radius - u * u - v * v));
+    normal[0] = -u / radius;
+    normal[1] = -v / radius;
+    normal[2] = down / radius;
+    return ball_middle(d) - down;
+}
+
+/* --- footprints --- */
+
+static mcv_footprint round_footprint(double radius, double edge) {
+    return (mcv_footprint){
+        .radius = radius, .lowest = -INFINITY, .fine = radius, .edge = edge, .stretch = 1};
+}
+
+static mcv_footprint long_footprint(const mcv_defect *d, double radius, double edge) {
+    mcv_footprint f = round_footprint(radius, edge);
+    f.half_length = d->length / 2;
+    f.stretch = 16;
+    return f;
+}
+
 mcv_footprint mcv_defect_footprint(const mcv_defect *d) {
-    if (d->type == MCV_DEFECT_SCRATCH) {
-        const double radius = d->size / 2 * (d->pile_up > 0 ? 3 : 1 + rounding);
-        return (mcv_footprint){.half_length = d->length / 2,
-                               .radius = radius,
-                               .fine = radius,
-                               .edge = d->size / 24,
-                               .stretch = 16};
+    mcv_footprint f = round_footprint(d->size / 2, d->size / 64);
+    switch (d->type) {
+    case MCV_DEFECT_SCRATCH:
+        return long_footprint(d, d->size / 2 * (d->pile_up > 0 ? 3 : 1 + rounding), d->size / 24);
+    case MCV_DEFECT_BURR:
+        return long_footprint(d, d->size / 2, d->size / 64);
+    case MCV_DEFECT_CHIP:
+        f.lowest = -d->depth;
+        return f;
+    case MCV_DEFECT_MISSING_PART: /* a plane cuts triangles along straight lines */
+        f = round_footprint(INFINITY, INFINITY);
+        f.lowest = -d->size;
+        return f;
+    case MCV_DEFECT_STAIN:
+    case MCV_DEFECT_ROUGH_PATCH:
+        return round_footprint(d->size / 2, d->size / 32);
+    default:
+        break;
     }
-    if (d->form == MCV_SHAPE_COSINE)
-        return (mcv_footprint){
-            .radius = d->size / 2, .fine = d->size / 2, .edge = d->size / 64, .stretch = 1};
-    return (mcv_footprint){.radius = gaussian_end * d->size / 4,
-                           .fine = 3 * d->size / 4,
-                           .edge = d->size / 32,
-                           .stretch = 1};
+    if (d->type == MCV_DEFECT_DIG || d->form == MCV_SHAPE_COSINE) return f;
+    f = round_footprint(gaussian_end * d->size / 4, d->size / 32);
+    f.fine = 3 * d->size / 4;
+    return f;
 }

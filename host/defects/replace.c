@@ -136,25 +136,59 @@ static mcv_result put(mcv_scene *scene, uint32_t instance, mcv_mesh *mesh, mcv_e
     return MCV_OK;
 }
 
-mcv_result mcv_facets_replace(const mcv_facets *facets, mcv_scene *scene, uint32_t instance,
-                              const uint8_t *marks, const mcv_json_path *place, mcv_error *error) {
+/* Is it a facet of the mesh that is made? */
+typedef struct choice {
+    uint32_t instance;
+    bool patch, of_patch;
+} choice;
+
+static bool chosen(const choice *which, const mcv_facet *facet) {
+    return facet->instance == which->instance &&
+           (!which->patch || facet->within == which->of_patch);
+}
+
+static size_t count_facets(const mcv_facets *facets, const choice *which) {
+    size_t count = 0;
+    for (size_t f = 0; f < facets->count; ++f) count += chosen(which, facets->items + f);
+    return count;
+}
+
+mcv_result mcv_facets_mesh(const mcv_facets *facets, const mcv_scene *scene, uint32_t instance,
+                           const uint8_t *marks, bool patch, bool of_patch, mcv_mesh *mesh,
+                           const mcv_json_path *place, mcv_error *error) {
     const mcv_mesh *old = scene->meshes + scene->instances[instance].mesh;
+    const choice which = {instance, patch, of_patch};
+    const uint32_t kept_count = marks ? old->triangle_count : 0;
     building b;
-    size_t triangles = old->triangle_count;
-    for (size_t f = 0; f < facets->count; ++f) triangles += facets->items[f].instance == instance;
-    if (!begin(&b, old, triangles)) {
+    *mesh = (mcv_mesh){0};
+    if (!begin(&b, old, kept_count + count_facets(facets, &which))) {
         end(&b);
         return mcv_fail_memory(place, error);
     }
-    for (uint32_t t = 0; t < old->triangle_count; ++t) {
+    for (uint32_t t = 0; t < kept_count; ++t) {
         if (marks[t]) continue;
         const mcv_facet kept = mcv_facet_take(scene, instance, t);
         add_facet(&b, &kept);
     }
     for (size_t f = 0; f < facets->count; ++f)
-        if (facets->items[f].instance == instance) add_facet(&b, facets->items + f);
-    const mcv_result result =
-        spread(&b, old) ? put(scene, instance, &b.mesh, error) : mcv_fail_memory(place, error);
+        if (chosen(&which, facets->items + f)) add_facet(&b, facets->items + f);
+    const bool memory = spread(&b, old);
+    if (memory) {
+        *mesh = b.mesh;
+        b.mesh = (mcv_mesh){0};
+    }
     end(&b);
+    return memory ? MCV_OK : mcv_fail_memory(place, error);
+}
+
+mcv_result mcv_facets_replace(const mcv_facets *facets, mcv_scene *scene, uint32_t instance,
+                              const uint8_t *marks, const mcv_defect *defect,
+                              const mcv_json_path *place, mcv_error *error) {
+    mcv_mesh mesh;
+    MCV_TRY(mcv_facets_mesh(facets, scene, instance, marks,
+                            mcv_defect_kind_of(defect->type) == MCV_KIND_PATCH, false, &mesh, place,
+                            error));
+    const mcv_result result = put(scene, instance, &mesh, error);
+    mcv_mesh_free(&mesh);
     return result;
 }

@@ -101,11 +101,14 @@ static mcv_result place_defects(mcv_loader *loader, const mcv_defect_site *site,
 }
 
 /* Reads an entry and finds its places. */
-static mcv_result define(mcv_loader *loader, const json_t *object, size_t index,
-                         const mcv_json_path *place, mcv_error *error) {
+static mcv_result define_entry(mcv_loader *loader, const json_t *object, size_t index,
+                               const mcv_json_path *place, mcv_error *error) {
     static const char *const others[] = {
         "name",  "type",    "node", "at",     "triangle",   "barycentric", "direction",
         "count", "density", "seed", "extras", "extensions", NULL};
+    static const char *const of_stain[] = {
+        "name",      "type",  "node",    "at",   "triangle", "barycentric", "material",
+        "direction", "count", "density", "seed", "extras",   "extensions",  NULL};
     static const char *const of_inclusion[] = {"name",     "type",       "node",  "at",
                                                "material", "direction",  "count", "seed",
                                                "extras",   "extensions", NULL};
@@ -116,21 +119,51 @@ static mcv_result define(mcv_loader *loader, const json_t *object, size_t index,
     MCV_TRY(
         mcv_element_type(object, mcv_defect_types, MCV_DEFECT_COUNT, &defect.type, place, error));
     const mcv_param_table table = mcv_defect_table(defect.type);
-    const bool inclusion = defect.type == MCV_DEFECT_INCLUSION;
+    const bool inclusion = defect.type == MCV_DEFECT_INCLUSION,
+               material = mcv_defect_takes_material(defect.type);
     mcv_params_set_defaults(table, &params);
-    MCV_TRY(
-        mcv_params_parse(table, object, inclusion ? of_inclusion : others, &params, place, error));
+    MCV_TRY(mcv_params_parse(table, object,
+                             inclusion  ? of_inclusion
+                             : material ? of_stain
+                                        : others,
+                             &params, place, error));
     MCV_TRY(mcv_params_check(table, &params, place, error));
     MCV_TRY(mcv_defect_resolve(&defect, &params, place, error));
     MCV_TRY(read_chance(object, index, &chance, place, error));
     MCV_TRY(read_site(object, chance.count || chance.density > 0, &site, place, error));
-    if (inclusion)
+    if (material)
         MCV_TRY(mcv_load_find_material(loader, object, "material", &defect.material, place, error));
-    if (inclusion && defect.material == MCV_NONE)
+    if (material && defect.material == MCV_NONE)
         return mcv_fail_at(place, error, "must have a \"material\" of the file, by name or index");
     if (mcv_defect_is_inside(defect.type) && chance.density > 0)
         return mcv_fail_at(place, error, "lies inside of its body: give a \"count\"");
     return place_defects(loader, &site, &chance, &defect, place, error);
+}
+
+/* A size as on drawings becomes a length; how many there are is `count` where none has a place. */
+static mcv_result define(mcv_loader *loader, const json_t *object, size_t index,
+                         const mcv_json_path *place, mcv_error *error) {
+    const char *text = json_string_value(json_object_get(object, "size"));
+    const mcv_json_path here = mcv_json_path_key(place, "size");
+    uint32_t type;
+    uint64_t count;
+    double size;
+    if (!text || !mcv_defect_is_notation(text))
+        return define_entry(loader, object, index, place, error);
+    MCV_TRY(mcv_element_type(object, mcv_defect_types, MCV_DEFECT_COUNT, &type, place, error));
+    MCV_TRY(mcv_defect_read_notation(text, type, &size, &count, &here, error));
+    json_t *own = json_copy((json_t *)object);
+    if (!own || json_object_set_new(own, "size", json_real(size)) != 0) {
+        json_decref(own);
+        return mcv_fail_memory(place, error);
+    }
+    static const char *const places[] = {"at", "triangle", "count", "density"};
+    for (size_t i = 0; i < sizeof places / sizeof places[0]; ++i)
+        if (json_object_get(object, places[i])) count = 0;
+    if (count) json_object_set_new(own, "count", json_integer((json_int_t)count));
+    const mcv_result result = define_entry(loader, own, index, place, error);
+    json_decref(own);
+    return result;
 }
 
 /* All are placed before the first one changes the surface. */

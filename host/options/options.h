@@ -72,8 +72,10 @@
     X(import, IMPORT, "import", "LENS.zmx|LENS.seq", \
       "convert a lens file of a design program to a glTF file with exact surfaces, which scenes " \
       "can place") \
-    X(defect, DEFECT, "defect", "RIG dent|bump|scratch|bubble|inclusion|stria", \
-      "put a defect onto the surface of a node or inside of it, of a given size") \
+    X(defect, DEFECT, "defect", "RIG TYPE", \
+      "put a defect onto the surface of a node (dent, bump, scratch, dig, burr, chip, " \
+      "missingPart, " \
+      "stain, roughPatch) or inside of it (bubble, inclusion, stria, crack)") \
     X(detect, DETECT, "detect", "WITH.exr WITHOUT.exr", \
       "tell how well a camera can tell a defect from its noise: contrast and detectability d', " \
       "from renders with and without it") \

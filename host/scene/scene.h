@@ -115,12 +115,13 @@ typedef struct mcv_placement {
 typedef struct mcv_defect {
     char *name;
     uint32_t type;                       /* MCV_DEFECT_… */
-    double size, depth, length, pile_up; /* length and pile-up 0 for those without */
+    double size, depth, length, pile_up; /* 0 for those without; depth: of a crack its opening */
     int form;                            /* MCV_SHAPE_… or MCV_PROFILE_… */
-    double index;                        /* of a bubble; the step of a stria */
+    double index;                        /* of a bubble or crack; the step of a stria */
+    double roughness;                    /* of a rough patch */
     uint32_t tubes;                      /* of a stria */
     uint32_t host,
-        material;          /* inside a body: its material, and that of an inclusion; or MCV_NONE */
+        material;          /* inside a body: its material; of an inclusion or stain; or MCV_NONE */
     uint32_t instances[2]; /* of its node, as in mcv_placement */
     double centre[3];      /* on the surface as it was */
     double axes[3][3];     /* u, v and the normal, unit, right-handed */
@@ -219,6 +220,11 @@ mcv_result mcv_scene_add_material(mcv_scene *scene, const mcv_material *material
 mcv_result mcv_scene_add_mesh(mcv_scene *scene, const mcv_mesh *mesh, mcv_error *error);
 mcv_result mcv_scene_add_instance(mcv_scene *scene, const mcv_instance *instance, mcv_error *error);
 mcv_result mcv_scene_add_emitter(mcv_scene *scene, const mcv_emitter *emitter, mcv_error *error);
+
+/* insert.c: the same as add_instance, but behind the instance `after` and in all nodes that have
+ * this one. Instances and triangles behind it get other numbers. */
+mcv_result mcv_scene_insert_instance(mcv_scene *scene, uint32_t after, const mcv_instance *instance,
+                                     mcv_error *error);
 mcv_result mcv_scene_add_sensor(mcv_scene *scene, const mcv_sensor *sensor, mcv_error *error);
 
 /* `to_world` may scale. A node without a name or with an axis of length 0 is ignored. MCV_FAILED

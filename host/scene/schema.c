@@ -255,6 +255,15 @@ static void add_chance(json_t *properties) {
                                   "type", "integer", "minimum", 0, "default", 0));
 }
 
+/* A size may be stated as on drawings, too (host/defects/notation.c). */
+static void allow_notation(json_t *properties) {
+    json_t *size = json_object_get(properties, "size");
+    const char *length = json_string_value(json_object_get(size, "pattern"));
+    json_object_set_new(size, "pattern",
+                        json_sprintf("%s|^[15]/ *[CLE]?[-+.0-9CLExX×; ]+$|^[0-9.]+-[0-9.]+$",
+                                     length ? length : "^$"));
+}
+
 /* The root array of defects; what they have in common stands beside their parameters. */
 static json_t *defects_schema(json_t *definitions) {
     const mcv_param length = {MCV_PARAM_length, "at", 0, MCV_UNSET, -1e6, 1e6, ""};
@@ -280,7 +289,8 @@ static json_t *defects_schema(json_t *definitions) {
                             three_schema("where in the triangle; by default in its middle",
                                          json_pack("{s:s, s:i}", "type", "number", "minimum", 0)));
         add_chance(properties);
-        if (type == MCV_DEFECT_INCLUSION)
+        allow_notation(properties);
+        if (type == MCV_DEFECT_INCLUSION || type == MCV_DEFECT_STAIN)
             json_object_set_new(properties, "material",
                                 material_schema("a material of the file, by name or index"));
         json_object_set_new(properties, "direction",

@@ -219,7 +219,8 @@ mcv_result mcv_defect_report(const mcv_scene *scene, mcv_report *report, mcv_err
     mcv_report_numbers(report, "position", "m", ", ", d->centre, 3);
     mcv_report_numbers(report, "normal", "", ", ", d->axes[2], 3);
     mcv_report_number(report, "size", "m", d->size);
-    if (d->depth > 0) mcv_report_number(report, "depth", "m", d->depth);
+    if (d->depth > 0)
+        mcv_report_number(report, d->type == MCV_DEFECT_CRACK ? "opening" : "depth", "m", d->depth);
     if (d->length > 0) mcv_report_number(report, "length", "m", d->length);
     mcv_report_number(report, "defects", "", scene->defect_count);
     mcv_report_number(report, "triangles", "", scene->triangle_count);

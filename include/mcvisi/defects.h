@@ -24,14 +24,31 @@
  *
  *     dent, bump   gaussian: h = -+ d exp(-r²/(2 s²)), s = size/4: size is the diameter at 1/e²;
  *                  cosine: h = -+ d cos²(π r/size) up to r = size/2
+ *     dig          h = -(sqrt(R² - r²) - R + d) up to r = size/2: a cap of the sphere of radius
+ *                  R = (size²/4 + d²)/(2 d)
+ *     burr         h = d cos²(π v/size) t(u), a ridge along an edge
  *     scratch      h = -d f(2 |v|/size) t(u): across it f is a V, 1 - x, or a U, 1 - x², whose
  *                  corners are rounded by a triangle of the half-width 1/4; t falls as cos² over
  *                  the last 3 sizes of its length. Beside it stand two ridges, cos² over one size
  *                  each, which together have the share pileUp of the groove's volume.
  *
- * Bubbles, inclusions and striae lie inside of a body of a dielectric, mesh or exact. `at` is then
- * a point inside. They are exact surfaces: balls, and nested cylinders of the radii at which
- * indexStep exp(-r²/(2 s²)), s = size/4, is half a step off the next of its `tubes` levels.
+ * Some change what lies within an outline, a sharp line on the surface. Triangles are cut there, by
+ * their edges: both sides of an edge cut it in the same point.
+ *
+ *     dig          the circle r = size/2
+ *     chip         a ball of the diameter `size` bites the part down to `depth` below the middle
+ *     missingPart  all that lies above the plane `size` below the middle is cut off
+ *     stain        another material within the circle r = size/2
+ *     roughPatch   the same with another roughness of the material
+ *
+ * Chip and missing part move the surface along n down to the ball or plane. The part that goes must
+ * be a height over these; n is the mean normal within size/2 of the middle, on an edge that between
+ * its sides, or `direction`. A burr takes this normal, too.
+ *
+ * Bubbles, inclusions, striae and cracks lie inside of a body of a dielectric, mesh or exact. `at`
+ * is then a point inside. They are exact surfaces: balls, and nested cylinders of the radii at
+ * which indexStep exp(-r²/(2 s²)), s = size/4, is half a step off the next of its `tubes` levels. A
+ * crack is a flat disc of gas across `direction`, as thick as its `opening`.
  *
  * With `count`, or with `density` per m² of surface, defects lie in places by chance, which `seed`
  * determines: surface defects evenly over the area, where they fit; others over the volume. They
@@ -39,7 +56,7 @@
  *
  * Meshes get triangles so small that the interpolated normals err by at most 1 % of the largest
  * slope for gaussian, 3 % for cosine and scratches (9 % where high ridges begin): edges of size/32,
- * size/64 and size/24, along scratches 16 times that.
+ * size/64 and size/24, along scratches 16 times that; size/64 for digs, burrs and chips.
  */
 #ifndef MCVISI_DEFECTS_H
 #define MCVISI_DEFECTS_H
@@ -53,7 +70,14 @@
     X(scratch, "scratch", SCRATCH) \
     X(bubble, "bubble", BUBBLE) \
     X(inclusion, "inclusion", INCLUSION) \
-    X(stria, "stria", STRIA)
+    X(stria, "stria", STRIA) \
+    X(dig, "dig", DIG) \
+    X(burr, "burr", BURR) \
+    X(chip, "chip", CHIP) \
+    X(missing_part, "missingPart", MISSING_PART) \
+    X(stain, "stain", STAIN) \
+    X(rough_patch, "roughPatch", ROUGH_PATCH) \
+    X(crack, "crack", CRACK)
 
 enum {
 #define MCV_X(name, key, NAME) MCV_DEFECT_##NAME,
@@ -100,5 +124,37 @@ enum { MCV_PROFILE_V, MCV_PROFILE_U };
     X(length, length, MCV_UNSET, MCV_POSITIVE, 1e3, "length; by default 20 times the size [m]") \
     X(number, indexStep, 1e-4, -0.5, 0.5, "how much larger the index is in the middle") \
     X(integer, tubes, 8, 1, 64, "number of nested tubes of constant index")
+
+#define MCV_DEFECT_DIG_PARAMS(X) \
+    X(length, size, MCV_REQUIRED, MCV_POSITIVE, 1e3, "diameter of the rim [m]") \
+    X(length, depth, MCV_UNSET, MCV_POSITIVE, 1e3, \
+      "depth in the middle, below half of the size; by default a tenth of the size [m]")
+
+#define MCV_DEFECT_BURR_PARAMS(X) \
+    X(length, size, MCV_REQUIRED, MCV_POSITIVE, 1e3, "width of its foot [m]") \
+    X(length, depth, MCV_UNSET, MCV_POSITIVE, 1e3, \
+      "height in the middle; by default a tenth of the size [m]") \
+    X(length, length, MCV_UNSET, MCV_POSITIVE, 1e3, \
+      "length, the fading ends included; by default 20 times the size [m]")
+
+#define MCV_DEFECT_CHIP_PARAMS(X) \
+    X(length, size, MCV_REQUIRED, MCV_POSITIVE, 1e3, "diameter of the ball [m]") \
+    X(length, depth, MCV_UNSET, MCV_POSITIVE, 1e3, \
+      "how far below the middle the ball reaches; by default, and at most, half of the size [m]")
+
+#define MCV_DEFECT_MISSING_PART_PARAMS(X) \
+    X(length, size, MCV_REQUIRED, MCV_POSITIVE, 1e3, "how far below the middle the plane lies [m]")
+
+#define MCV_DEFECT_STAIN_PARAMS(X) X(length, size, MCV_REQUIRED, MCV_POSITIVE, 1e3, "diameter [m]")
+
+#define MCV_DEFECT_ROUGH_PATCH_PARAMS(X) \
+    X(length, size, MCV_REQUIRED, MCV_POSITIVE, 1e3, "diameter [m]") \
+    X(number, roughness, MCV_REQUIRED, 0, 1, "roughness of the material within")
+
+#define MCV_DEFECT_CRACK_PARAMS(X) \
+    X(length, size, MCV_REQUIRED, MCV_POSITIVE, 1e3, "diameter [m]") \
+    X(length, opening, MCV_UNSET, MCV_POSITIVE, 1e3, \
+      "distance of its faces; by default a hundredth of the size [m]") \
+    X(number, ior, 1, 1, 10, "index of refraction of what fills it")
 
 #endif

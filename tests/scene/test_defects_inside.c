@@ -4,6 +4,7 @@
 
 #include <math.h>
 
+#include "check/findings.h"
 #include "defects/defects.h"
 #include "loader/load.h"
 #include "mcvisi/surfaces/solid.h"
@@ -111,6 +112,47 @@ static void adds_nested_tubes(void **state) {
     mcv_scene_free(scene);
 }
 
+/* A disc of gas across the direction, an exact cylinder of the opening's length. */
+static void adds_cracks(void **state) {
+    mcv_scene *scene =
+        load("{\"name\":\"c\",\"type\":\"crack\",\"node\":\"block\",\"at\":[\"2mm\",0,0],\"size\":"
+             "\"3mm\",\"opening\":\"5um\",\"direction\":[0,1,1]}");
+    (void)state;
+    assert_int_equal(scene->solid_count, 2);
+    const mcv_solid *disc = scene->solids + 1;
+    assert_int_equal(disc->side, MCV_SIDE_CYLINDER);
+    assert_true(fabs(disc->radius - 1.5e-3) < 1e-15);
+    assert_true(fabs(disc->caps[1].z - disc->caps[0].z - 5e-6) < 1e-15);
+    assert_true(fabs(disc->to_world.m[9] - 0.102) < 1e-12);
+    for (int i = 0; i < 3; ++i)
+        assert_true(fabs(disc->to_world.m[3 * i + 2] - (i ? M_SQRT1_2 : 0)) < 1e-12);
+    assert_true(material_of(scene, 1)->as.medium.ior[0] == 1);
+    assert_true(material_of(scene, 1)->as.medium.priority == 4);
+    mcv_scene_free(scene);
+}
+
+/* Twice the longest wavelength, 587.6 nm in grey scenes and the like in others, is below 2 µm. */
+static void warns_of_closed_cracks(void **state) {
+    (void)state;
+    for (int i = 0; i < 2; ++i) {
+        char *crack =
+            text_of("{\"name\":\"c\",\"type\":\"crack\",\"node\":\"block\",\"at\":[0,0,0],"
+                    "\"size\":\"3mm\",\"opening\":\"%s\"}",
+                    i ? "2um" : "0.5um");
+        mcv_scene *scene = load(crack);
+        mcv_findings findings;
+        mcv_error error;
+        bool warned = false;
+        assert_int_equal(mcv_findings_of(scene, &findings, &error), MCV_OK);
+        for (size_t f = 0; f < findings.count; ++f)
+            warned = warned || strstr(findings.items[f].sentence, "tunnels through it");
+        assert_int_equal(warned, i == 0);
+        mcv_findings_free(&findings);
+        mcv_scene_free(scene);
+        free(crack);
+    }
+}
+
 static void refuses(const char *defect, const char *says) {
     char *text = scene_text(defect);
     must_refuse("inside-bad.gltf", text, says);
@@ -124,6 +166,10 @@ static void refuses_bad_input(void **state) {
     refuses("{\"type\":\"bubble\",\"node\":\"block\",\"at\":[0.0099,0,0],\"size\":1e-3}",
             "reaches out of it");
     refuses("{\"type\":\"stria\",\"node\":\"block\",\"at\":[0,0,0],\"size\":1e-3}", "reaches out");
+    /* Its middle lies inside, its rim does not. */
+    refuses("{\"type\":\"crack\",\"node\":\"block\",\"at\":[0.009,0,0],\"size\":4e-3,"
+            "\"direction\":[0,0,1]}",
+            "reaches out");
     refuses("{\"type\":\"bubble\",\"node\":\"block\",\"triangle\":0,\"size\":1e-3}", "\"at\"");
     refuses("{\"type\":\"inclusion\",\"node\":\"block\",\"at\":[0,0,0],\"size\":1e-3}",
             "\"material\"");
@@ -215,6 +261,7 @@ static void reads_chance(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(adds_balls),         cmocka_unit_test(adds_nested_tubes),
+        cmocka_unit_test(adds_cracks),        cmocka_unit_test(warns_of_closed_cracks),
         cmocka_unit_test(refuses_bad_input),  cmocka_unit_test(chance_is_even),
         cmocka_unit_test(density_is_poisson), cmocka_unit_test(reads_chance)};
     return cmocka_run_group_tests(tests, NULL, NULL);
