@@ -172,7 +172,9 @@ static const char *handy_unit(const char *unit, const double *values, size_t cou
     static const struct {
         const char *name;
         double factor;
-    } lengths[] = {{"m", 1}, {"mm", 1e3}, {"µm", 1e6}, {"nm", 1e9}};
+    } lengths[4] = {{"m", 1}, {"mm", 1e3}, {"µm", 1e6}, {"nm", 1e9}},
+      sizes[4] = {{"GiB", 0x1p-30}, {"MiB", 0x1p-20}, {"KiB", 0x1p-10}, {"B", 1}};
+    const bool length = strcmp(unit, "m") == 0;
     double most = 0;
     for (size_t i = 0; i < count; ++i)
         if (isfinite(values[i])) most = fmax(most, fabs(values[i]));
@@ -181,11 +183,11 @@ static const char *handy_unit(const char *unit, const double *values, size_t cou
         *factor = 180 / M_PI;
         return "°";
     }
-    if (strcmp(unit, "m") != 0) return unit;
+    if (!length && strcmp(unit, "B") != 0) return unit;
     size_t i = most == 0 ? 1 : 0;
-    while (most > 0 && i < 3 && most * lengths[i].factor < 1) ++i;
-    *factor = lengths[i].factor;
-    return lengths[i].name;
+    while (most > 0 && i < 3 && most * (length ? lengths : sizes)[i].factor < 1) ++i;
+    *factor = (length ? lengths : sizes)[i].factor;
+    return (length ? lengths : sizes)[i].name;
 }
 
 void mcv_report_numbers(mcv_report *report, const char *key, const char *unit, const char *between,

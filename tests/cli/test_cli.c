@@ -642,7 +642,8 @@ static void test_check(void **state) {
                 "\"fNumber\":8,"
                 "\"resolution\":[2448,2048],\"pixelSize\":\"3.45um\"",
                 panel);
-    run_well("check s.gltf");
+    run_well("check s.gltf --memory 1.5GiB");
+    assert_non_null(strstr(out, "limit                 1.5 GiB"));
     /* f = W m/(1 + m), b = f (1 + m), D_t = (b - f)/N, NA = m/(2N). */
     assert_non_null(strstr(out, "focalLength         22 mm"));
     assert_non_null(strstr(out, "imageDistance       27.5 mm"));
