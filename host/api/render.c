@@ -71,10 +71,15 @@ static bool save_is_due(void *user, bool ending) {
     return mcv_saves_due(r->saves, ending);
 }
 
+static void warn(void *user, const char *sentence) {
+    mcv_rendering *r = user;
+    if (r->warn) r->warn(r, sentence);
+}
+
 static void save(void *user, const mcv_unfinished *unfinished) {
     mcv_rendering *r = user;
     mcv_saves_write(r->saves, unfinished);
-    if (r->saves->failure.text[0] && r->warn) r->warn(r, r->saves->failure.text);
+    if (r->saves->failure.text[0]) warn(r, r->saves->failure.text);
 }
 
 static const struct mcv_render_saving SAVING = {save_is_due, save};
@@ -136,6 +141,7 @@ mcv_result mcv_rendering_run(mcv_rendering *r, mcv_session *session, const mcv_c
     options->picture = r->early ? show : NULL;
     options->saving = r->saves && r->saves->path ? &SAVING : NULL;
     options->resume = r->saves && r->saves->resumes ? &r->saves->checkpoint.unfinished : NULL;
+    options->warned = warn;
     options->user = r;
     if (!reference) MCV_TRY(mcv_session_renderer(session, command->device, &renderer, error));
     r->rendered.scene = scene;

@@ -222,7 +222,7 @@ static mcv_result probe(mcv_cl *cl, cl_program program, mcv_error *error) {
     return result;
 }
 
-mcv_result mcv_cl_open(const char *which, mcv_cl *cl, mcv_error *error) {
+mcv_result mcv_cl_find(const char *which, mcv_cl *cl, mcv_error *error) {
     choice c = {.wanted = which ? which : getenv("MCVISI_OPENCL_DEVICE")};
     memset(cl, 0, sizeof *cl);
     MCV_TRY(mcv_cl_list(choose, &c, error));
@@ -232,6 +232,35 @@ mcv_result mcv_cl_open(const char *which, mcv_cl *cl, mcv_error *error) {
                         c.wanted);
     }
     *cl = c.cl;
+    return MCV_OK;
+}
+
+mcv_result mcv_cl_find_all(const char *which, mcv_cl devices[MCV_MOST_DEVICES], uint32_t *count,
+                           mcv_error *error) {
+    char list[1024], *rest = NULL;
+    *count = 0;
+    if (!which) which = getenv("MCVISI_OPENCL_DEVICE");
+    if (!which || !strchr(which, ',')) {
+        *count = 1;
+        return mcv_cl_find(which, devices, error);
+    }
+    snprintf(list, sizeof list, "%s", which);
+    for (char *name = strtok_r(list, ",", &rest); name; name = strtok_r(NULL, ",", &rest)) {
+        if (*count == MCV_MOST_DEVICES)
+            return mcv_fail(error, MCV_DEVICE, "\"%s\" names more than %d devices", which,
+                            MCV_MOST_DEVICES);
+        MCV_TRY(mcv_cl_find(name, devices + *count, error));
+        for (uint32_t i = 0; i < *count; ++i)
+            if (devices[i].device == devices[*count].device)
+                return mcv_fail(error, MCV_DEVICE, "\"%s\" names %s twice: name each device once",
+                                which, devices[i].name);
+        ++*count;
+    }
+    return *count > 0 ? MCV_OK
+                      : mcv_fail(error, MCV_DEVICE, "\"%s\" names no OpenCL device", which);
+}
+
+mcv_result mcv_cl_start(mcv_cl *cl, mcv_error *error) {
     cl_int code;
     cl->context = mcv_cached_context(cl->device, &code);
     MCV_TRY(mcv_cl_check(cl, code, "making a context", error));
@@ -239,6 +268,11 @@ mcv_result mcv_cl_open(const char *which, mcv_cl *cl, mcv_error *error) {
     const mcv_result result = mcv_cl_check(cl, code, "making a command queue", error);
     if (result != MCV_OK) mcv_cl_close(cl);
     return result;
+}
+
+mcv_result mcv_cl_open(const char *which, mcv_cl *cl, mcv_error *error) {
+    MCV_TRY(mcv_cl_find(which, cl, error));
+    return mcv_cl_start(cl, error);
 }
 
 void mcv_cl_close(mcv_cl *cl) {

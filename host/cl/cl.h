@@ -32,6 +32,17 @@ typedef struct mcv_cl {
  * empty). The environment variable MCVISI_OPENCL_DEVICE replaces NULL.
  */
 mcv_result mcv_cl_open(const char *which, mcv_cl *cl, mcv_error *error);
+
+/* Its two steps: which device it is; its context and queue. */
+mcv_result mcv_cl_find(const char *which, mcv_cl *cl, mcv_error *error);
+mcv_result mcv_cl_start(mcv_cl *cl, mcv_error *error);
+
+enum { MCV_MOST_DEVICES = 16 };
+
+/* Finds the devices of a list "A,B" of such names. MCV_DEVICE for a name without a device, and for
+ * a device that is named twice. */
+mcv_result mcv_cl_find_all(const char *which, mcv_cl devices[MCV_MOST_DEVICES], uint32_t *count,
+                           mcv_error *error);
 void mcv_cl_close(mcv_cl *cl);
 
 /* Calls told(user, index, text) for each device, in the order of their numbers. */

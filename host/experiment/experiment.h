@@ -28,7 +28,7 @@ typedef struct mcv_sweep mcv_sweep;
 
 /* Each may be NULL. */
 typedef struct mcv_sweep_calls {
-    /* A sentence about the scene, before the first render. */
+    /* A sentence about the scene, before the first render; or about a device, during one. */
     void (*warning)(void *user, const char *sentence);
     /* Each row as it is appended; message: why the set failed, or NULL. */
     void (*row)(void *user, const mcv_sweep *sweep, const double *row, const char *message);

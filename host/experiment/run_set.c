@@ -71,11 +71,17 @@ mcv_result mcv_set_sensor(const mcv_experiment *e, mcv_scene *scene, uint32_t *s
                              error);
 }
 
+static void warn(void *user, const char *sentence) {
+    const mcv_sweep_calls *calls = &((set_at_work *)user)->sweep->experiment->calls;
+    if (calls->warning) calls->warning(calls->user, sentence);
+}
+
 static mcv_result render(mcv_sweep *s, set_at_work *w, mcv_film *film, mcv_error *error) {
     const mcv_experiment *e = s->experiment;
     mcv_render_options options = e->render;
     mcv_render_stats stats = {.stage_count = 0};
     options.progress = go_on;
+    options.warned = warn;
     options.enough = e->measuring.until.count ? is_enough : NULL;
     options.user = w;
     options.seed = w->seed;
@@ -176,12 +182,16 @@ static mcv_result try_set(mcv_sweep *s, size_t set, double *row, mcv_error *erro
     return result;
 }
 
-/* Whether no set can be rendered: the device that has failed cannot be opened again. */
+/* Whether no set can be rendered: no device can be opened again. */
 static bool device_is_gone(const mcv_sweep *s, mcv_error *why) {
-    mcv_cl cl = {NULL};
+    mcv_cl devices[MCV_MOST_DEVICES];
     mcv_error reason = {""};
-    if (mcv_cl_open(s->experiment->render.device, &cl, &reason) == MCV_OK) {
-        mcv_cl_close(&cl);
+    uint32_t count = 0;
+    if (mcv_cl_find_all(s->experiment->render.device, devices, &count, &reason) != MCV_OK)
+        count = 0;
+    for (uint32_t i = 0; i < count; ++i) {
+        if (mcv_cl_start(devices + i, &reason) != MCV_OK) continue;
+        mcv_cl_close(devices + i);
         return false;
     }
     *why = reason;

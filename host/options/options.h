@@ -230,8 +230,8 @@ enum {
       "how the stages are launched: tile, a slice of the image at a time (CPUs); stream, one " \
       "launch per stage (GPUs); both give the same bits") \
     X(text, device, "device", 0, "D", MCV_IN_PATHS | MCV_IN_TRACE, NULL, 0, 0, \
-      "a number from `mcvisi devices`, PLATFORM:TYPE:NAME, or `reference`: the independent " \
-      "renderer in double precision, slow") \
+      "a number from `mcvisi devices`, PLATFORM:TYPE:NAME, or several as in 0,1, which share " \
+      "the image; or `reference`: the independent renderer in double precision, slow") \
     X(choice, precision, "precision", 0, "single|mixed|double", MCV_IN_PATHS | MCV_IN_TRACE, NULL, \
       0, 0, \
       "single: float32, the default; mixed: hits on smooth surfaces and directions behind " \

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* A pass over the pixels: launches of the schedule, and the readback of their results. */
-#include "render/renderer.h"
+#include "render/pass.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -30,20 +30,8 @@ static bool find_pixel(const mcv_renderer *r, uint32_t number, size_t *pixel) {
     return true;
 }
 
-/* The readback of some sets of a round: from the results of their launches on the device to the
- * round. */
-typedef struct readback {
-    uint32_t first_set, sets;
-    uint32_t launched_blocks, blocks_per_set; /* of one launch; of the round */
-    uint32_t first_block;                     /* of the launch that was read */
-    float *read;                              /* its sums */
-    double *blocks;                           /* [set][channel][block] */
-    double share; /* weight of a sample in the round: 1 over the class's factor of samples */
-    bool pending; /* `read` holds sums that are not yet added */
-} readback;
-
 /* The sum of a set's samples in the round, once all of its launches are read. */
-static double sum_of_set(const readback *h, uint32_t set, uint32_t channel, uint32_t channels) {
+static double sum_of_set(const mcv_readback *h, uint32_t set, uint32_t channel, uint32_t channels) {
     const size_t at = (size_t)set * channels + channel;
     if (h->blocks_per_set == 1) return (double)h->read[2 * at] + (double)h->read[2 * at + 1];
     return mcv_pairwise_sum(h->blocks + at * h->blocks_per_set, h->blocks_per_set, 1);
@@ -51,7 +39,7 @@ static double sum_of_set(const readback *h, uint32_t set, uint32_t channel, uint
 
 /* Adds the sums that were read; after the last launch of the sets, adds their total to the
  * round. */
-static void accumulate_readback(const mcv_renderer *r, readback *h) {
+static void accumulate_readback(const mcv_renderer *r, mcv_readback *h) {
     const mcv_film *film = r->film;
     const uint32_t channels = film->channels;
     const size_t pixels = (size_t)film->width * film->height;
@@ -88,7 +76,7 @@ static double stage_seconds(const mcv_render_stats *stats) {
 
 /* One launch: 2^frame.log2_samples samples of `sets` sets. While it runs, the results of the launch
  * before are accumulated. */
-static mcv_result launch(mcv_renderer *r, uint32_t sets, uint32_t first_block, readback *h) {
+static mcv_result launch(mcv_renderer *r, uint32_t sets, uint32_t first_block, mcv_readback *h) {
     const double begun = mcv_seconds();
     r->frame.path_count = sets << r->frame.log2_samples;
     MCV_TRY(mcv_clear_records(r));
@@ -127,73 +115,106 @@ static bool go_on(const mcv_renderer *r, double samples, double error) {
 }
 
 /* Saves the render with what was read, if it is time. */
-static mcv_result save(mcv_renderer *r, readback *h, bool ending) {
+static mcv_result save(mcv_renderer *r, mcv_class_pass *pass, bool ending) {
     if (!r->in_round || !mcv_save_is_due(r, ending)) return MCV_OK;
-    accumulate_readback(r, h);
+    mcv_class_pass_read(r, pass);
+    MCV_TRY(mcv_take_splats(r, r->splats));
     r->part.sums = r->round;
-    return mcv_save_unfinished(r);
+    mcv_save_unfinished(r);
+    return MCV_OK;
 }
 
 static uint64_t times_power(uint64_t count, int level) {
     return level < 0 ? count >> -level : count << level;
 }
 
-mcv_result mcv_render_class(mcv_renderer *r, mcv_pixel_class class, uint64_t first, uint64_t count,
-                            double done_before, bool *stop) {
+mcv_result mcv_class_pass_begin(const mcv_renderer *r, mcv_pixel_class class, uint64_t first,
+                                uint64_t count, mcv_class_pass *pass) {
     const mcv_film *film = r->film;
-    const uint32_t channels = film->channels;
-    const uint64_t first_set = (uint64_t) class.first * film->replicates,
-                   set_count = (uint64_t) class.count * film->replicates;
-    const uint64_t end_set = first_set + set_count;
     const uint32_t capacity = r->schedule.capacity;
-    const double before = (double)film->samples;
-    const uint64_t pixels = r->listed ? (uint64_t)film->width * film->height : class.count;
-    const double round = (double)count * class.count / (double)pixels;
-    first = times_power(first, class.level);
-    count = times_power(count, class.level);
-    uint32_t log2_samples = floor_log2(count);
+    *pass = (mcv_class_pass){.first = times_power(first, class.level),
+                             .count = times_power(count, class.level),
+                             .first_set = (uint64_t) class.first * film->replicates,
+                             .set_count = (uint64_t) class.count * film->replicates};
+    if (pass->first_set + pass->set_count > 0xffffffffu)
+        return mcv_fail(r->error, MCV_BAD_INPUT,
+                        "the image has too many pixels for %u replicates: %llu sets, at most 2^32",
+                        film->replicates, (unsigned long long)(pass->first_set + pass->set_count));
+    uint32_t log2_samples = floor_log2(pass->count);
     if (log2_samples > MAX_LOG2_SAMPLES) log2_samples = MAX_LOG2_SAMPLES;
     if (log2_samples > floor_log2(capacity)) log2_samples = floor_log2(capacity);
     const uint32_t launch_samples = 1u << log2_samples;
     const uint32_t block = launch_samples < MCV_BLOCK ? launch_samples : MCV_BLOCK;
-    const uint32_t sets_per_launch = capacity / launch_samples;
-    readback h = {.launched_blocks = launch_samples / block,
-                  .blocks_per_set = (uint32_t)(count / block),
-                  .share = ldexp(1, -class.level)};
-    mcv_result result = MCV_OK;
-    if (end_set > 0xffffffffu) {
-        return mcv_fail(r->error, MCV_BAD_INPUT,
-                        "the image has too many pixels for %u replicates: %llu sets, at most 2^32",
-                        film->replicates, (unsigned long long)end_set);
-    }
-    h.read = malloc(8 * (size_t)sets_per_launch * h.launched_blocks * channels);
-    h.blocks = malloc(8 * (size_t)sets_per_launch * channels * h.blocks_per_set);
-    if (!h.read || !h.blocks)
-        result = mcv_fail(r->error, MCV_FAILED, "no memory for the sums of a launch");
+    mcv_readback *h = &pass->readback;
+    pass->log2_samples = log2_samples;
+    pass->sets_per_launch = capacity / launch_samples;
+    *h = (mcv_readback){.launched_blocks = launch_samples / block,
+                        .blocks_per_set = (uint32_t)(pass->count / block),
+                        .share = ldexp(1, -class.level)};
+    const size_t values = (size_t)pass->sets_per_launch * film->channels;
+    h->read = malloc(8 * values * h->launched_blocks);
+    h->blocks = malloc(8 * values * h->blocks_per_set);
+    if (h->read && h->blocks) return MCV_OK;
+    return mcv_fail(r->error, MCV_FAILED, "no memory for the sums of a launch");
+}
 
-    r->frame.log2_samples = log2_samples;
-    uint32_t sets = 0;
-    for (uint64_t set = first_set + (r->in_round ? r->part.sets : 0);
-         result == MCV_OK && !*stop && set < end_set; set += sets) {
-        /* The first launch is short, so that the user soon sees progress; a renderer that has
-         * rendered before skips this. */
-        const bool at_once = r->stats->kept_program || r->stats->seconds_first_sample > 0;
-        uint32_t most = at_once ? sets_per_launch : (sets_per_launch + 15) / 16;
-        if (r->recording_sets > 0 && most > r->recording_sets) most = r->recording_sets;
-        sets = (uint32_t)(end_set - set < most ? end_set - set : most);
-        r->frame.first_set = (uint32_t)set;
-        for (uint64_t s = 0; result == MCV_OK && s < count; s += launch_samples) {
-            r->frame.first_sample = (uint32_t)(first + s);
-            result = launch(r, sets, (uint32_t)(s / block), &h);
-        }
-        const double share = (double)(set + sets - first_set) / (double)set_count;
-        if (result == MCV_OK) *stop = !go_on(r, before + share * round, done_before);
-        if (r->in_round) r->part.sets = set + sets - first_set;
-        if (result == MCV_OK) result = save(r, &h, *stop);
+mcv_result mcv_class_pass_render(mcv_renderer *r, mcv_class_pass *pass, uint64_t set,
+                                 uint32_t sets) {
+    const uint32_t launch_samples = 1u << pass->log2_samples;
+    r->frame.log2_samples = pass->log2_samples;
+    r->frame.first_set = (uint32_t)set;
+    for (uint64_t s = 0; s < pass->count; s += launch_samples) {
+        r->frame.first_sample = (uint32_t)(pass->first + s);
+        MCV_TRY(launch(r, sets, (uint32_t)(s / launch_samples) * pass->readback.launched_blocks,
+                       &pass->readback));
     }
-    if (result == MCV_OK) accumulate_readback(r, &h);
-    free(h.read);
-    free(h.blocks);
+    return MCV_OK;
+}
+
+void mcv_class_pass_read(const mcv_renderer *r, mcv_class_pass *pass) {
+    accumulate_readback(r, &pass->readback);
+}
+
+void mcv_class_pass_end(mcv_class_pass *pass) {
+    free(pass->readback.read);
+    free(pass->readback.blocks);
+}
+
+bool mcv_class_pass_tell(const mcv_renderer *r, mcv_pixel_class class, uint64_t count, double share,
+                         double error) {
+    const mcv_film *film = r->film;
+    const uint64_t pixels = r->listed ? (uint64_t)film->width * film->height : class.count;
+    const double round = (double)count * class.count / (double)pixels;
+    return go_on(r, (double)film->samples + share * round, error);
+}
+
+/* The sets of the next launch, of those that are left. */
+static uint32_t next_sets(const mcv_renderer *r, const mcv_class_pass *pass, uint64_t left) {
+    /* The first launch is short, so that the user soon sees progress; a renderer that has rendered
+     * before skips this. */
+    const bool at_once = r->stats->kept_program || r->stats->seconds_first_sample > 0;
+    uint32_t most = at_once ? pass->sets_per_launch : (pass->sets_per_launch + 15) / 16;
+    if (r->recording_sets > 0 && most > r->recording_sets) most = r->recording_sets;
+    return (uint32_t)(left < most ? left : most);
+}
+
+mcv_result mcv_render_class(mcv_renderer *r, mcv_pixel_class class, uint64_t first, uint64_t count,
+                            double done_before, bool *stop) {
+    mcv_class_pass pass;
+    mcv_result result = mcv_class_pass_begin(r, class, first, count, &pass);
+    uint64_t done = r->in_round ? r->part.sets : 0;
+    while (result == MCV_OK && !*stop && done < pass.set_count) {
+        const uint32_t sets = next_sets(r, &pass, pass.set_count - done);
+        result = mcv_class_pass_render(r, &pass, pass.first_set + done, sets);
+        done += sets;
+        if (result == MCV_OK)
+            *stop = !mcv_class_pass_tell(r, class, count, (double)done / (double)pass.set_count,
+                                         done_before);
+        if (r->in_round) r->part.sets = done;
+        if (result == MCV_OK) result = save(r, &pass, *stop);
+    }
+    if (result == MCV_OK) mcv_class_pass_read(r, &pass);
+    mcv_class_pass_end(&pass);
     return result;
 }
 
@@ -220,8 +241,10 @@ mcv_result mcv_render_pass(mcv_renderer *r, uint64_t first, uint64_t count, doub
                            bool *stop) {
     while (r->part.class < r->class_count) {
         r->in_round = true;
-        const mcv_result result =
-            mcv_render_class(r, r->classes[r->part.class], first, count, done_before, stop);
+        const mcv_pixel_class class = r->classes[r->part.class];
+        const mcv_result result = r->other_count > 0
+                                      ? mcv_share_class(r, class, first, count, done_before, stop)
+                                      : mcv_render_class(r, class, first, count, done_before, stop);
         r->in_round = false;
         if (result != MCV_OK || *stop) return result;
         ++r->part.class;

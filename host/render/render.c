@@ -55,9 +55,6 @@ static mcv_result open_schedule(mcv_renderer *r, uint32_t sensor_type) {
 static mcv_result open_scene(mcv_renderer *r, const mcv_scene *scene, uint32_t sensor,
                              mcv_device_scene *kept) {
     const double start = mcv_seconds();
-    if (!r->cl.context) MCV_TRY(mcv_cl_open(r->options->device, &r->cl, r->error));
-    memcpy(r->stats->device, r->cl.name, sizeof r->stats->device);
-    memcpy(r->stats->driver, r->cl.version, sizeof r->stats->driver);
     MCV_TRY(mcv_device_scene_begin(&r->cl, scene, r->options->threads, kept, &r->scene, r->error));
     if (r->options->precision == MCV_PRECISION_MIXED)
         MCV_TRY(mcv_device_scene_refine(&r->cl, scene, &r->scene, r->error));
@@ -84,13 +81,10 @@ static mcv_result open_scene(mcv_renderer *r, const mcv_scene *scene, uint32_t s
                            .seed = r->options->seed,
                            .depth = r->options->depth};
     MCV_TRY(mcv_device_scene_place(&r->cl, scene, sensor, &r->scene, &r->frame, r->error));
-    if (r->scene.splats)
-        MCV_TRY(mcv_film_take_splats(r->film, mcv_frame_splat_value(&r->frame), r->error));
     return mcv_schedule_aim(&r->schedule, &r->frame, r->stats, r->error);
 }
 
-/* Reuses what the previous scene has in common with this one. */
-static mcv_result open_renderer(mcv_renderer *r, const mcv_scene *scene, uint32_t sensor) {
+mcv_result mcv_open_scene(mcv_renderer *r, const mcv_scene *scene, uint32_t sensor) {
     mcv_device_scene kept = r->scene;
     memset(&r->scene, 0, sizeof r->scene);
     const mcv_result result = open_scene(r, scene, sensor, kept.nodes ? &kept : NULL);
@@ -100,11 +94,16 @@ static mcv_result open_renderer(mcv_renderer *r, const mcv_scene *scene, uint32_
     return result;
 }
 
-static void close_renderer(mcv_renderer *r) {
+void mcv_close_device(mcv_renderer *r) {
     mcv_schedule_close(&r->schedule);
     mcv_schedule_close(&r->earlier);
     mcv_device_scene_close(&r->scene);
     mcv_cl_close(&r->cl);
+}
+
+static void close_renderer(mcv_renderer *r) {
+    mcv_close_device(r);
+    mcv_close_others(r);
 }
 
 /*
@@ -155,9 +154,8 @@ static bool is_enough(const mcv_renderer *r, double error) {
 
 /* Adds the round that was rendered. */
 static mcv_result end_round(mcv_renderer *r) {
-    if (r->film->splats)
-        MCV_TRY(mcv_cl_read(&r->cl, r->scene.splats, 0, 8 * mcv_film_values(r->film),
-                            r->film->splats, r->error));
+    MCV_TRY(mcv_take_splats(r, r->splats));
+    if (r->splats) memcpy(r->film->splats, r->splats, 8 * mcv_film_values(r->film));
     mcv_film_add(r->film, r->round, r->part.count);
     return MCV_OK;
 }
@@ -198,8 +196,9 @@ static mcv_result render_rounds(mcv_renderer *r) {
                                               per_sample, seconds, o->seconds);
         r->part = (mcv_round){.first = next, .count = count};
         if (count == 0 || next >= (r->listed ? MCV_MOST_ADAPTIVE : MCV_MOST_SAMPLES)) return MCV_OK;
-        if (r->stats->interrupted)
-            return mcv_save_is_due(r, true) ? mcv_save_unfinished(r) : MCV_OK;
+        if (!r->stats->interrupted) continue;
+        if (mcv_save_is_due(r, true)) mcv_save_unfinished(r);
+        return MCV_OK;
     }
 }
 
@@ -227,6 +226,14 @@ mcv_result mcv_render_check_finite(const mcv_scene *scene, uint32_t sensor,
         (unsigned long long)stats->paths);
 }
 
+/* Room for what light paths bring. */
+static mcv_result begin_splats(mcv_renderer *r) {
+    if (!r->scene.splats) return MCV_OK;
+    r->splats = calloc(mcv_film_values(r->film), sizeof *r->splats);
+    if (!r->splats) return mcv_fail(r->error, MCV_FAILED, "no memory for what light paths bring");
+    return mcv_film_take_splats(r->film, mcv_frame_splat_value(&r->frame), r->error);
+}
+
 static mcv_result render(mcv_renderer *r, const mcv_scene *scene, uint32_t sensor) {
     const mcv_render_options *options = r->options;
     mcv_film *film = r->film;
@@ -241,7 +248,8 @@ static mcv_result render(mcv_renderer *r, const mcv_scene *scene, uint32_t senso
     if (!r->round)
         return mcv_fail(error, MCV_FAILED, "no memory for an image of %u x %u pixels", width,
                         height);
-    MCV_TRY(open_renderer(r, scene, sensor));
+    MCV_TRY(mcv_open_devices(r, scene, sensor));
+    MCV_TRY(begin_splats(r));
     mcv_unlist_pixels(r);
     if (!options->resume) MCV_TRY(mcv_show_early(r));
     MCV_TRY(begin_samples(r));
@@ -259,24 +267,35 @@ void mcv_renderer_free(mcv_renderer *r) {
     free(r);
 }
 
-mcv_result mcv_renderer_render(mcv_renderer *r, const mcv_scene *scene, uint32_t sensor,
-                               const mcv_render_options *options, mcv_film *film,
-                               mcv_render_stats *stats, mcv_error *error) {
-    memset(film, 0, sizeof *film);
-    memset(stats, 0, sizeof *stats);
-    r->options = options;
-    r->stats = stats;
-    r->film = film;
-    r->error = error;
-    r->begun = mcv_seconds();
-    const mcv_result result = render(r, scene, sensor);
+static void end_render(mcv_renderer *r) {
     free(r->round);
     free(r->listed);
     free(r->records);
+    free(r->splats);
     r->round = NULL;
     r->records = NULL;
     r->recording_sets = 0;
     r->listed = NULL;
+    r->splats = NULL;
+}
+
+mcv_result mcv_renderer_render(mcv_renderer *r, const mcv_scene *scene, uint32_t sensor,
+                               const mcv_render_options *options, mcv_film *film,
+                               mcv_render_stats *stats, mcv_error *error) {
+    memset(film, 0, sizeof *film);
+    r->options = options;
+    r->stats = stats;
+    r->film = film;
+    r->error = error;
+    const double begun = mcv_seconds();
+    mcv_result result;
+    do { /* on the devices that are left */
+        mcv_film_free(film);
+        memset(stats, 0, sizeof *stats);
+        r->begun = begun;
+        result = render(r, scene, sensor);
+        end_render(r);
+    } while (result == MCV_DEVICE && mcv_go_on_without_first(r));
     if (result == MCV_DEVICE || result == MCV_FAILED) { /* the data on the device is undefined */
         close_renderer(r);
         memset(r, 0, sizeof *r);

@@ -32,6 +32,9 @@ typedef void mcv_picture_told(void *user, const mcv_image *picture, uint32_t str
 
 typedef bool mcv_enough(void *user, const mcv_film *film);
 
+/* Takes a sentence for the user, about what the render goes on without. */
+typedef void mcv_warned(void *user, const char *sentence);
+
 /* When noisier pixels get more samples: if that takes fewer of them by a tenth for an error; or
  * only if it takes fewer by a quarter, and so less time even where those of noisy pixels take
  * longer. */
@@ -68,7 +71,8 @@ typedef struct mcv_render_options {
     bool no_split;        /* follow reflection or transmission at random, not both */
     uint32_t adaptive;    /* MCV_ADAPTIVE_…: more samples for noisier pixels, if it pays */
     uint32_t slice;       /* paths per slice of the tile schedule, a multiple of 64; 0: default */
-    const char *device;   /* NULL: the first; see mcv_cl_open */
+    const char *device;   /* NULL: the first; see mcv_cl_open; or several, "A,B" */
+    mcv_warned *warned;   /* may be NULL */
     mcv_pass_told *progress;
     mcv_picture_told *picture; /* called once, before the first round of a render that will not be
                                   done in a moment; may be NULL */
@@ -87,8 +91,8 @@ mcv_render_options mcv_render_defaults(void);
 enum { MCV_MAX_STAGES = 16 };
 
 typedef struct mcv_render_stats {
-    char device[256];
-    char driver[256];   /* its version; empty for the reference */
+    char device[256];   /* with several, their names joined by " + " */
+    char driver[256];   /* its version; empty for the reference; of the first device */
     char features[256]; /* names, separated by spaces */
     uint64_t paths;     /* begun */
     uint64_t rays, shadow_rays;

@@ -33,6 +33,9 @@ typedef struct mcv_pixel_class {
 
 struct mcv_renderer {
     /* Kept between renders: */
+    struct mcv_other_device *others[MCV_MOST_DEVICES - 1]; /* share the samples of the image; the
+                                                              first device has pilots, too */
+    uint32_t other_count;
     mcv_cl cl;
     mcv_device_scene scene;
     mcv_schedule schedule, earlier; /* the current one, and a previous one to return to when a
@@ -47,7 +50,8 @@ struct mcv_renderer {
     uint32_t *listed; /* the pixels by class; NULL: all in their order, one class */
     mcv_pixel_class classes[MCV_MAX_CLASSES];
     uint32_t class_count;
-    uint32_t *records;       /* of a launch, as read from the device */
+    uint64_t *splats;  /* what light paths have brought, taken off the devices; NULL without */
+    uint32_t *records; /* of a launch, as read from the device */
     uint32_t recording_sets; /* a launch had room for the records of so many sets; 0: of all */
     mcv_round part;          /* where the image's round stands; its sums are `round` */
     bool in_round; /* samples of the image are rendered: not those of a pilot or a picture */
@@ -58,6 +62,45 @@ struct mcv_renderer {
                               compiling */
     mcv_error *error;
 };
+
+/* render.c */
+
+/* Makes the scene ready on the open device. It reuses what the device's previous scene has in
+ * common with this one. */
+mcv_result mcv_open_scene(mcv_renderer *r, const mcv_scene *scene, uint32_t sensor);
+
+/* Gives back what is on the device, and the device. */
+void mcv_close_device(mcv_renderer *r);
+
+/* devices.c: several devices render the same image. Each has a renderer of its own. */
+
+typedef struct mcv_other_device {
+    mcv_renderer renderer;
+    mcv_render_options options; /* no calls, no records */
+    mcv_render_stats stats;
+    mcv_error error;
+} mcv_other_device;
+
+/* Opens the devices of the options unless they are open, and makes the scene ready on each. Devices
+ * that fail are given up, with a sentence, as long as one is left. */
+mcv_result mcv_open_devices(mcv_renderer *r, const mcv_scene *scene, uint32_t sensor);
+void mcv_close_others(mcv_renderer *r);
+
+/* Gives a device up, and tells the user: the other of this index, or the first one, for which
+ * another one takes its place. */
+void mcv_give_up_other(mcv_renderer *r, uint32_t index, const mcv_error *why);
+void mcv_give_up_first(mcv_renderer *r, const mcv_error *why);
+
+/* Gives the first device up if there is another one. The render is to begin again. */
+bool mcv_go_on_without_first(mcv_renderer *r);
+
+/* Adds what light paths have brought on the first device, where it is zero then. Nothing is added
+ * on failure. */
+mcv_result mcv_take_splats(mcv_renderer *r, uint64_t *splats);
+
+/* share.c: as mcv_render_class, for samples of the image by all devices. */
+mcv_result mcv_share_class(mcv_renderer *r, mcv_pixel_class class, uint64_t first, uint64_t count,
+                           double done_before, bool *stop);
 
 /* pass.c */
 
@@ -99,8 +142,8 @@ mcv_result mcv_take_records(mcv_renderer *r);
 /* Whether the options ask to save the render now; `ending`: it ends here before it is done. */
 bool mcv_save_is_due(const mcv_renderer *r, bool ending);
 
-/* Saves the render, whose round stands as r->part says. */
-mcv_result mcv_save_unfinished(mcv_renderer *r);
+/* Saves the render, whose round stands as r->part says; its splats are taken off the devices. */
+void mcv_save_unfinished(mcv_renderer *r);
 
 /* Goes on as options->resume says, before the first samples. */
 mcv_result mcv_resume(mcv_renderer *r);

@@ -105,8 +105,15 @@ static void forget_answers(mcv_schedule *s) {
     }
 }
 
-void mcv_schedule_close(mcv_schedule *schedule) {
+void mcv_schedule_abandon(mcv_schedule *schedule) {
     forget_answers(schedule);
+    if (schedule->launch_count > 0) clFinish(schedule->cl->queue);
+    for (uint32_t i = 0; i < schedule->launch_count; ++i) clReleaseEvent(schedule->launches[i]);
+    schedule->launch_count = 0;
+}
+
+void mcv_schedule_close(mcv_schedule *schedule) {
+    mcv_schedule_abandon(schedule);
     mcv_cl_release(&schedule->paths);
     mcv_cl_release(&schedule->sums);
     mcv_cl_release(&schedule->counters);
@@ -115,7 +122,6 @@ void mcv_schedule_close(mcv_schedule *schedule) {
     for (size_t i = 0; i < MCV_STREAM_KERNEL_COUNT; ++i) {
         if (schedule->kernels[i]) clReleaseKernel(schedule->kernels[i]);
     }
-    for (uint32_t i = 0; i < schedule->launch_count; ++i) clReleaseEvent(schedule->launches[i]);
     if (schedule->program) clReleaseProgram(schedule->program);
     memset(schedule, 0, sizeof *schedule);
 }
@@ -150,6 +156,13 @@ static mcv_result launch(mcv_schedule *s, uint32_t kernel, size_t global, size_t
     return MCV_OK;
 }
 
+void mcv_add_stage(mcv_render_stats *stats, const char *name, double seconds) {
+    uint32_t stage = 0;
+    while (stage < stats->stage_count && strcmp(stats->stages[stage].name, name) != 0) ++stage;
+    if (stage == stats->stage_count) stats->stages[stats->stage_count++].name = name;
+    stats->stages[stage].seconds += seconds;
+}
+
 /* After a wait: adds up the times of the stages. */
 static void add_times(mcv_schedule *s, mcv_render_stats *stats) {
     static const char *const names[] = {
@@ -161,10 +174,7 @@ static void add_times(mcv_schedule *s, mcv_render_stats *stats) {
         const bool tile =
             s->kind == MCV_SCHEDULE_TILE && s->launched[i] == MCV_KERNEL_generate_rays;
         const char *name = tile ? "render_tile" : names[s->launched[i]];
-        uint32_t stage = 0;
-        while (stage < stats->stage_count && strcmp(stats->stages[stage].name, name) != 0) ++stage;
-        if (stage == stats->stage_count) stats->stages[stats->stage_count++].name = name;
-        stats->stages[stage].seconds += mcv_cl_seconds(s->launches[i]);
+        mcv_add_stage(stats, name, mcv_cl_seconds(s->launches[i]));
     }
     s->launch_count = 0;
 }

@@ -70,6 +70,12 @@ mcv_result mcv_schedule_start(mcv_schedule *schedule, const mcv_frame *frame,
 mcv_result mcv_schedule_trace_light(mcv_schedule *schedule, const mcv_frame *frame,
                                     mcv_render_stats *stats, mcv_error *error);
 
+/* Adds the seconds to those of the stage. */
+void mcv_add_stage(mcv_render_stats *stats, const char *name, double seconds);
+
+/* After a failure: waits for what runs and forgets it, so that another launch can start. */
+void mcv_schedule_abandon(mcv_schedule *schedule);
+
 /* Waits for the launch. schedule->sums then holds two floats per channel and block of samples. */
 mcv_result mcv_schedule_wait(mcv_schedule *schedule, mcv_render_stats *stats, mcv_error *error);
 
