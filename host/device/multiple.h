@@ -40,8 +40,8 @@ uint32_t mcv_interface_words(void);
  * cosines and the angle between their azimuths: the BSDF of two and more meetings with microfacets,
  * times the cosine of the leaving light. The first two words are reflection outside and inside,
  * over one reflection of white microfacets. The other two are transmission from outside and from
- * inside, which is spread widely, over 1/(o_z (1 + Λ(o)) (1 + Λ(i))) [1/sr]. coating: its
- * reflectance at normal incidence, 0: none. False: no memory.
+ * inside, which is spread widely, over 1/(o_z (1 + Λ(o)) (1 + Λ(i))) [1/sr]. Words are fourth
+ * roots. coating: its reflectance at normal incidence, 0: none. False: no memory.
  */
 bool mcv_multiple_interface(double alpha, double n_outside, double n_inside, double coating,
                             float *table);

@@ -142,7 +142,7 @@ double ref_gloss_evaluate(const ref_gloss *g, ref_vec o, ref_vec i, double value
         if (g->table->orders && !far && l.alpha[0] != l.alpha[1])
             ref_brushed_at(g->table->orders, l.alpha, o, i, words);
         else if (g->table->orders && !far)
-            ref_orders_at(g->table->orders, glass ? MCV_INTERFACE_COSINES : MCV_MULTIPLE_COSINES,
+            ref_orders_at(g->table->orders, glass,
                           g->table->albedos.roughnesses > 1
                               ? g->roughness * (MCV_MULTIPLE_ROUGHNESSES - 1)
                               : 0,
@@ -163,7 +163,7 @@ double ref_gloss_evaluate(const ref_gloss *g, ref_vec o, ref_vec i, double value
 
     if (bends && g->table->orders) { /* what goes on from facet to facet and leaves here */
         double words[MCV_MULTIPLE_WORDS];
-        ref_orders_at(g->table->orders, MCV_INTERFACE_COSINES, 0, o, i, words);
+        ref_orders_at(g->table->orders, true, 0, o, i, words);
         const double wide = words[2 + g->inside] /
                             (o.z * (1 + ref_lambda(l.alpha, o)) * (1 + ref_lambda(l.alpha, i)));
         for (int channel = 0; channel < 3; ++channel) value[channel] += wide;

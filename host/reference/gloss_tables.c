@@ -24,19 +24,22 @@ double ref_conductor_reflectance(double n, double k, double cosine) {
 }
 
 /*
- * The words of the entry for two directions, of n cosines; `roughness` counts the tables. In
- * between by lines, and by triangles among the two cosines.
+ * The words of the entry for two directions, of a metal or of glass; `roughness` counts the tables.
+ * In between by lines, and by triangles among the two cosines.
  */
-void ref_orders_at(const float *orders, int n, double roughness, ref_vec o, ref_vec i,
+void ref_orders_at(const float *orders, bool glass, double roughness, ref_vec o, ref_vec i,
                    double words[MCV_MULTIPLE_WORDS]) {
-    enum { M = MCV_MULTIPLE_AZIMUTHS, LAST = MCV_MULTIPLE_ROUGHNESSES - 1 };
+    enum { LAST = MCV_MULTIPLE_ROUGHNESSES - 1 };
+    const int n = glass ? MCV_INTERFACE_COSINES : MCV_MULTIPLE_COSINES,
+              m = glass ? MCV_INTERFACE_AZIMUTHS : MCV_MULTIPLE_AZIMUTHS;
     const double z[2] = {fmin(o.z, 1), fmin(fabs(i.z), 1)}, sum = z[0] + z[1] + MCV_MULTIPLE_LEAST;
     const double turn = atan2(o.y, o.x) - atan2(i.y, i.x), c = fabs(cos(turn / 2));
-    const double entry = (M - 1) * c * (1 + sum) / (c + sum);
+    const double near = c * (1 + sum) / (c + sum),
+                 entry = (m - 1) * (glass ? (near + 1 - fabs(sin(turn / 2))) / 2 : near);
     double place[2], share[2];
     for (int k = 0; k < 2; ++k) place[k] = (n - 1) * sqrt(z[k]) / (sqrt(z[k]) + sqrt(1 - z[k]));
     const int low[2] = {(int)fmin(place[0], n - 2), (int)fmin(place[1], n - 2)},
-              first = (int)fmin(entry, M - 2);
+              first = (int)fmin(entry, m - 2);
     for (int k = 0; k < 2; ++k) share[k] = place[k] - low[k];
     const bool below = share[0] > share[1];
     const int corners[3][2] = {{0, 0}, {below, !below}, {1, 1}};
@@ -52,11 +55,13 @@ void ref_orders_at(const float *orders, int n, double roughness, ref_vec o, ref_
         const float *at =
             orders + (size_t)(layer + above) * mcv_multiple_words() +
             MCV_MULTIPLE_WORDS *
-                (((low[0] + corners[corner][0]) * n + low[1] + corners[corner][1]) * M + first +
+                (((low[0] + corners[corner][0]) * n + low[1] + corners[corner][1]) * m + first +
                  next);
         for (int word = 0; word < MCV_MULTIPLE_WORDS; ++word)
             words[word] += weight * (double)at[word];
     }
+    for (int word = 0; glass && word < MCV_MULTIPLE_WORDS; ++word)
+        words[word] = pow(words[word], 4);
 }
 
 /* The place of |d| on its axis (mcvisi/materials/brushed.h); `upright` is the mirror image's

@@ -3,6 +3,8 @@
 #ifndef MCVISI_HOST_REFERENCE_GLOSS_TABLES_H
 #define MCVISI_HOST_REFERENCE_GLOSS_TABLES_H
 
+#include <stdbool.h>
+
 #include "device/multiple.h"
 #include "mcvisi/materials/microfacet.h"
 #include "reference/gloss.h"
@@ -17,9 +19,9 @@ void ref_albedos_mean(const ref_albedos *albedos, double roughness, double pair[
 void ref_brushed_at(const float *orders, const double alpha[2], ref_vec o, ref_vec i,
                     double words[MCV_MULTIPLE_WORDS]);
 
-/* The words of the entry for two directions, in a table of n cosines; `roughness` is the index of
+/* The words of the entry for two directions, of a metal or of glass; `roughness` is the index of
  * the table, which may lie between two. */
-void ref_orders_at(const float *orders, int n, double roughness, ref_vec o, ref_vec i,
+void ref_orders_at(const float *orders, bool glass, double roughness, ref_vec o, ref_vec i,
                    double words[MCV_MULTIPLE_WORDS]);
 
 #endif

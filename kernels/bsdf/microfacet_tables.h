@@ -88,9 +88,12 @@ typedef struct mcv_multiple_place {
 
 /*
  * In rows and columns by the triangles that the diagonal divides a cell into: light that comes and
- * leaves at like angles is special. Both directions are given as if they lay above.
+ * leaves at like angles is special. Both directions are given as if they lay above. glass: the
+ * table is an interface's.
  */
-MCV_LOOP_FUNCTION mcv_multiple_place mcv_find_multiple(uint cosines, mcv_vec3 o, mcv_vec3 i) {
+MCV_LOOP_FUNCTION mcv_multiple_place mcv_find_multiple(int glass, mcv_vec3 o, mcv_vec3 i) {
+    const uint cosines = glass ? MCV_INTERFACE_COSINES : MCV_MULTIPLE_COSINES;
+    const uint azimuths = glass ? MCV_INTERFACE_AZIMUTHS : MCV_MULTIPLE_AZIMUTHS;
     const float x = mcv_multiple_row(o.z, cosines);
     const float y = mcv_multiple_row(i.z, cosines);
     const float o_sine = mcv_sqrt(mcv_fma(o.x, o.x, o.y * o.y));
@@ -102,18 +105,24 @@ MCV_LOOP_FUNCTION mcv_multiple_place mcv_find_multiple(uint cosines, mcv_vec3 o,
     const float length = mcv_sqrt(mcv_fma(across, across, up * up)); /* |cos φ/2|, to a rounding */
     const float half_turn = length < 1.0f ? length : 1.0f;
     const float sum = o.z + i.z + MCV_MULTIPLE_LEAST;
-    const float z =
-        half_turn * (1.0f + sum) / (half_turn + sum) * (float)(MCV_MULTIPLE_AZIMUTHS - 1);
+    float turn = half_turn * (1.0f + sum) / (half_turn + sum);
+    if (glass) {
+        const float x_apart = mcv_fma(o.x, o_scale, -(i.x * i_scale));
+        const float y_apart = mcv_fma(o.y, o_scale, -(i.y * i_scale));
+        const float apart = mcv_sqrt(mcv_fma(x_apart, x_apart, y_apart * y_apart));
+        turn = mcv_interface_turn(half_turn, apart < 1.0f ? apart : 1.0f, sum);
+    }
+    const float z = turn * (float)(azimuths - 1);
     const uint row = min((uint)x, cosines - 2);
     const uint column = min((uint)y, cosines - 2);
-    const uint entry = min((uint)z, (uint)(MCV_MULTIPLE_AZIMUTHS - 2));
+    const uint entry = min((uint)z, azimuths - 2);
     const float f = x - (float)row;
     const float g = y - (float)column;
     const float both = f < g ? f : g;
     const float either = f < g ? g : f;
-    const uint step = MCV_MULTIPLE_WORDS * MCV_MULTIPLE_AZIMUTHS;
+    const uint step = MCV_MULTIPLE_WORDS * azimuths;
     mcv_multiple_place place;
-    place.first = MCV_MULTIPLE_WORDS * ((row * cosines + column) * MCV_MULTIPLE_AZIMUTHS + entry);
+    place.first = MCV_MULTIPLE_WORDS * ((row * cosines + column) * azimuths + entry);
     place.edge = step * (f > g ? cosines : 1u);
     place.across = step * (cosines + 1u);
     place.near = 1.0f - either;
@@ -177,11 +186,12 @@ MCV_LOOP_FUNCTION mcv_color mcv_gloss_multiple(const mcv_device_gloss *m, const 
         const uint words = gloss->inside + (far ? 2u : 0u) + 2u + 2u * MCV_ALBEDO_COSINES;
         const uint known =
             gloss->table != MCV_NONE; /* else it is smooth, and what is read does not count */
-        mcv_multiple_place place = mcv_find_multiple(MCV_INTERFACE_COSINES, o, i);
+        mcv_multiple_place place = mcv_find_multiple(1, o, i);
         place.first = known * (gloss->table + words + place.first);
         place.edge *= known;
         place.across *= known;
-        return mcv_grey(mcv_multiple_word(tables, place));
+        const float root = mcv_multiple_word(tables, place);
+        return mcv_grey((root * root) * (root * root));
     }
 #endif
     __global const float *table = tables + m->multiple;
@@ -193,7 +203,7 @@ MCV_LOOP_FUNCTION mcv_color mcv_gloss_multiple(const mcv_device_gloss *m, const 
         MCV_EACH_CHANNEL(c) multiple.c[c] = at.word[c];
         return multiple;
     }
-    const mcv_multiple_place place = mcv_find_multiple(MCV_MULTIPLE_COSINES, o, i);
+    const mcv_multiple_place place = mcv_find_multiple(0, o, i);
     if (gloss->type == MCV_MATERIAL_CONDUCTOR) {
         /* No image changes its roughness. */
         MCV_EACH_CHANNEL(c) multiple.c[c] = mcv_multiple_word(table + c, place);

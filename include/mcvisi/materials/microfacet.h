@@ -32,15 +32,31 @@
  * roughnesses.
  */
 #define MCV_MULTIPLE_COSINES 23
-#define MCV_INTERFACE_COSINES 16 /* for rough glass */
 #define MCV_MULTIPLE_AZIMUTHS 8
 #define MCV_MULTIPLE_LEAST 0.02f
 #define MCV_MULTIPLE_WORDS 4
 #define MCV_MULTIPLE_ROUGHNESSES 9
 
+/*
+ * Rough glass also sends much light back towards where it came from, in narrower directions: it has
+ * more cosines and azimuths (mcv_interface_turn). Its words are fourth roots of what they stand
+ * for, between which lines follow the steep and the empty ranges better.
+ */
+#define MCV_INTERFACE_COSINES 24
+#define MCV_INTERFACE_AZIMUTHS 16
+
 typedef struct mcv_alpha {
     float x, y; /* along the tangent, across */
 } mcv_alpha;
+
+/*
+ * The place of an angle φ, from 0 to 1, on the axis of azimuths of rough glass, by c = |cos φ/2|
+ * and s = |sin φ/2|: half the one of other tables, half 1 - s, which parts small angles. k: the sum
+ * of the two cosines and of MCV_MULTIPLE_LEAST.
+ */
+MCV_LOOP_FUNCTION float mcv_interface_turn(float c, float s, float k) {
+    return 0.5f * (c * ((1.0f + k) / (c + k)) + 1.0f - s);
+}
 
 /* Smith's Λ of a direction, on either side. */
 MCV_LOOP_FUNCTION float mcv_ggx_lambda(mcv_alpha alpha, mcv_vec3 w) {
