@@ -87,6 +87,36 @@ def collimated_beam():
     return s
 
 
+def laser():
+    s = Sketch(700, 300, (60, 160), "Laser: a Gaussian beam with its waist, and a fan that draws a line")
+    waist, middle, rayleigh = 9, 175, 62
+    width = lambda z: waist * math.hypot(1, (z - middle) / rayleigh)
+    upper = [(z, width(z)) for z in range(0, 341, 10)]
+    s.area(upper + [(z, -w) for z, w in reversed(upper)], LIGHT, opacity=0.22)
+    for sign in (1, -1):
+        for (z, w), (y, v) in zip(upper, upper[1:]):
+            s.line([(z, sign * w), (y, sign * v)], LIGHT, 1.2)
+    s.axis(-10, 350)
+    s.line([(0, -45), (0, 45)], INK, 2)
+    s.text((0, 56), "node")
+    s.dimension((0, -50), (middle, -50), "`workingDistance`", -18)
+    s.dimension((middle, -waist), (middle, waist), "2 w_0", -26, 12, "start")
+    s.text((250, 62), "w(z), M²: 1/e² radius", "middle", LIGHT)
+    s.angle((middle, 0), 130, 0, math.degrees(math.atan(waist / rayleigh)), "Θ", 12)
+    o, half, r = (430, 0), 27, 165
+    arc = [polar(o, r, half * k / 12) for k in range(-12, 13)]
+    s.area([o] + arc, LIGHT, opacity=0.18)
+    s.arc(o, r, -half, half, LIGHT, 2.6)
+    for k in range(-3, 4):
+        s.line([o, polar(o, r, half * k / 3)], LIGHT, 0.8)
+    s.dot(o, "node", 120, INK, 14)
+    s.angle(o, 74, -half, half, "`fanAngle` Φ", 40)
+    s.text((430 + 110, 100), "focus at ρ = `workingDistance`", "middle", DIM, 12)
+    s.text((430 + 110, -104), "seen across the line", "middle", FAINT, 12)
+    frame(s, (20, -125))
+    return s
+
+
 def picture(s, left, low, across, down, size, words=True):
     """The image of a projector as its node's frame has it: x to the right, y up."""
     for row in range(down):
@@ -295,6 +325,7 @@ DRAWINGS = {
     "area": area,
     "parallel": parallel,
     "collimated-beam": collimated_beam,
+    "laser": laser,
     "telecentric-projector": telecentric_projector,
     "screen": screen,
     "projector": projector,

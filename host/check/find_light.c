@@ -2,6 +2,7 @@
 /* Findings about emitters: where their light goes, and how wide their cones are. */
 #include "check/find.h"
 #include "scene/emitters.h"
+#include "scene/laser.h"
 #include "scene/transform.h"
 #include "scene/geometry.h"
 
@@ -175,6 +176,12 @@ static bool lights_nothing(const mcv_scene *scene, const mcv_emitter *emitter) {
             for (int i = 0; i < 3; ++i) b.axes[i][k] = (i == 2 ? -1 : 1) * m[3 * k + i];
         }
         b.tangent = angle < M_PI / 2 ? tan(angle) : INFINITY;
+        return !meets_a_mesh(&b, scene, MCV_NONE);
+    }
+    if (emitter->type == MCV_EMITTER_LASER) {
+        memcpy(b.origin, emitter->to_world.m + 9, sizeof b.origin);
+        mcv_laser_axes(emitter, b.axes);
+        b.tangent = mcv_laser_tangent(&emitter->as.laser);
         return !meets_a_mesh(&b, scene, MCV_NONE);
     }
     if (emitter->instance == MCV_NONE || !beam_of(scene, emitter->instance, &b)) return false;

@@ -81,7 +81,7 @@ void mcv_put_dimensions(mcv_drawing *c, const double parts[2]) {
         double at;
         if (e->instance != MCV_NONE)
             at = mcv_view_extent(c->view, c->scene, e->instance).middle[2];
-        else if (mcv_emitter_is_point_light(e->type))
+        else if (mcv_emitter_has_place(e->type))
             at = mcv_drawing_project(c, e->to_world.m + 9).depth;
         else
             continue;

@@ -58,7 +58,7 @@ static bool frame(mcv_drawing *c, double parts[2]) {
     }
     for (uint32_t i = 0; i < c->scene->emitter_count; ++i) {
         const mcv_emitter *e = c->scene->emitters + i;
-        if (!mcv_emitter_is_point_light(e->type)) continue;
+        if (!mcv_emitter_has_place(e->type)) continue;
         const mcv_drawing_point at = mcv_drawing_project(c, e->to_world.m + 9);
         extend(c->depth, at.depth, -0.8 * deepest, 1.8 * deepest);
         extend(c->height, at.height, -most, most);

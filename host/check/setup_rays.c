@@ -57,7 +57,7 @@ void mcv_put_beam(const mcv_drawing *c, uint32_t emitter) {
 }
 
 void mcv_put_source(mcv_drawing *c, const mcv_emitter *e) {
-    if (e->instance != MCV_NONE || !mcv_emitter_is_point_light(e->type)) return;
+    if (e->instance != MCV_NONE || !mcv_emitter_has_place(e->type)) return;
     const mcv_drawing_point at = mcv_drawing_project(c, e->to_world.m + 9);
     fprintf(c->out, "<circle class=\"light\" cx=\"%.1f\" cy=\"%.1f\" r=\"5\"><title>",
             mcv_drawing_x(c, at.depth), mcv_drawing_y(c, at.height));

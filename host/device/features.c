@@ -143,6 +143,7 @@ static void find_of_emitter(finding *f, const mcv_emitter *e) {
         {MCV_FEATURE_ENVIRONMENT, environment && !mcv_is_sampled(e)},
         {MCV_FEATURE_ENVIRONMENT_IMAGE, environment && mcv_is_sampled(e)},
         {MCV_FEATURE_BEAM, e->type == MCV_EMITTER_COLLIMATED_BEAM},
+        {MCV_FEATURE_LASER, e->type == MCV_EMITTER_LASER},
         {MCV_FEATURE_PUNCTUAL, punctual},
         {MCV_FEATURE_TEXTURE, e->texture != MCV_NONE},
     };

@@ -145,6 +145,8 @@ static double unit_flux(const mcv_packed *packed, const mcv_emitter *from, mcv_d
         return *unit = from->area;
     case MCV_EMITTER_PROJECTOR:
         return *unit = from->area * image_tangents(e);
+    case MCV_EMITTER_LASER: /* its radiance is its power */
+        return 1;
     case MCV_EMITTER_POINT: {
         const float *p = e->light.position, *a = e->light.axis;
         return aimed_angle(
@@ -199,10 +201,10 @@ mcv_result mcv_pack_light(const mcv_scene *scene, mcv_packed *packed, uint32_t *
         double mean[3], unit;
         if (!mcv_is_sampled(from)) continue;
         mcv_device_emitter *e = &packed->emitters[count++];
-        if (!caustics && e->type != MCV_EMITTER_COLLIMATED_BEAM) continue;
+        const bool is_beam = e->type == MCV_EMITTER_COLLIMATED_BEAM || e->type == MCV_EMITTER_LASER;
+        if (!caustics && !is_beam) continue;
         /* Reflection at glossy surfaces hits emitters that have an extent. */
-        if (mcv_emitter_has_surface(from->type) && e->type != MCV_EMITTER_COLLIMATED_BEAM && !wide)
-            continue;
+        if (mcv_emitter_has_surface(from->type) && !is_beam && !wide) continue;
         const double flux = unit_flux(packed, from, e, &unit);
         if (!(flux > 0) || !is_small(packed, e, flux) || !find_media(scene, packed, e)) continue;
         mcv_emitter_image_mean(scene, from, mean);
@@ -334,11 +336,14 @@ bool mcv_traces_light(const mcv_packed *packed, const mcv_sensor *sensor) {
             if (M_PI * paths * footprint >= (thinning > 0 ? 1 : 2) * typical_flux(e)) return true;
             continue;
         }
-        if (e->type != MCV_EMITTER_COLLIMATED_BEAM) return true;
-        /* The beam's axis and the node's z both point in the direction of the light. */
-        const double towards =
-            e->beam.axis[0] * m[2] + e->beam.axis[1] * m[5] + e->beam.axis[2] * m[8];
-        if (packed->ball_count > 0 || (towards > 0 && sensor->type != MCV_SENSOR_PINHOLE))
+        const bool is_laser = e->type == MCV_EMITTER_LASER;
+        if (e->type != MCV_EMITTER_COLLIMATED_BEAM && !is_laser) return true;
+        /* The beam's axis and the node's z both point in the direction of the light; a fan of
+         * tangent T holds light as far as its sine, T/√(1 + T²), the other way. */
+        const float *axis = is_laser ? e->laser.forward : e->beam.axis;
+        const double towards = axis[0] * m[2] + axis[1] * m[5] + axis[2] * m[8];
+        const double aside = is_laser ? sin(atan((double)e->laser.edge)) : 0;
+        if (packed->ball_count > 0 || (towards > -aside && sensor->type != MCV_SENSOR_PINHOLE))
             return true;
     }
     return false;

@@ -94,6 +94,7 @@ static void count_emitters(const mcv_scene *scene, mcv_packed *packed) {
         packed->cdf_count += 2;
         if (emitter->type == MCV_EMITTER_ENVIRONMENT)
             packed->cdf_count += mcv_environment_entries(scene->textures + emitter->texture);
+        packed->cdf_count += mcv_laser_entries(scene, emitter);
         if (mcv_emitter_has_surface(emitter->type))
             packed->cdf_count +=
                 1 + scene->meshes[scene->instances[emitter->instance].mesh].triangle_count;

@@ -8,6 +8,7 @@
 
 #include "device/light.h"
 #include "scene/emitters.h"
+#include "scene/laser.h"
 #include "scene/mesh.h"
 #include "scene/geometry.h"
 #include "scene/texture.h"
@@ -87,6 +88,10 @@ static void prepare_emitter(const mcv_scene *scene, const mcv_packed *packed, ui
         to->type = MCV_EMITTER_AREA;
         mcv_surface_light_prepare(scene, index, &to->surface_light);
         break;
+    case MCV_EMITTER_LASER:
+        mcv_laser_prepare(scene, index, packed->centre, &to->laser);
+        memcpy(to->middle, to->laser.position, sizeof to->middle);
+        break;
     case MCV_EMITTER_DIRECTIONAL:
         mcv_directional_prepare(scene, index, &to->directional);
         break;
@@ -115,7 +120,9 @@ static void find_reach(const mcv_scene *scene, const mcv_packed *packed, const m
     const double size = mcv_packed_size(packed) / 2;
     to->radius = -1;
     to->narrowest = (float)(size * size * (from->type == MCV_EMITTER_ENVIRONMENT ? 4 : 1));
-    if (from->type == MCV_EMITTER_ENVIRONMENT || from->type == MCV_EMITTER_DIRECTIONAL) return;
+    if (from->type == MCV_EMITTER_ENVIRONMENT || from->type == MCV_EMITTER_DIRECTIONAL ||
+        from->type == MCV_EMITTER_LASER)
+        return;
     const bool has_surface = mcv_emitter_has_surface(from->type);
     const double area = has_surface ? from->area : 0,
                  beam = from->type == MCV_EMITTER_COLLIMATED_BEAM;
@@ -220,6 +227,26 @@ static mcv_result pack_environment(const mcv_scene *scene, mcv_packed *packed,
                   : MCV_OK;
 }
 
+size_t mcv_laser_entries(const mcv_scene *scene, const mcv_emitter *emitter) {
+    if (emitter->type != MCV_EMITTER_LASER || emitter->texture == MCV_NONE) return 0;
+    return (size_t)scene->textures[emitter->texture].width + 1;
+}
+
+/* The columns' shares of a laser's fan, from entry `next` of the table on. */
+static mcv_result pack_laser(const mcv_scene *scene, mcv_packed *packed, const mcv_emitter *from,
+                             uint32_t number, size_t next, mcv_error *error) {
+    const mcv_texture *image = scene->textures + from->texture;
+    bool failed = false;
+    double *columns = mcv_pack_allocate(image->width, sizeof(double), &failed);
+    if (failed)
+        return mcv_fail(error, MCV_FAILED, "%s: no memory for a laser's table", scene->path);
+    mcv_laser_table(image, columns);
+    mcv_write_cdf(packed->emitter_cdf + next, image->width, columns);
+    packed->emitters[number].cdf = (uint32_t)next;
+    free(columns);
+    return MCV_OK;
+}
+
 mcv_result mcv_pack_emitters(const mcv_scene *scene, mcv_packed *packed, mcv_error *error) {
     uint32_t *cdf = packed->emitter_cdf;
     size_t next = packed->emitter_count + 1;
@@ -249,6 +276,10 @@ mcv_result mcv_pack_emitters(const mcv_scene *scene, mcv_packed *packed, mcv_err
         if (from->type == MCV_EMITTER_ENVIRONMENT) {
             result = pack_environment(scene, packed, from, count, next, error);
             next += mcv_environment_entries(scene->textures + from->texture);
+        }
+        if (mcv_laser_entries(scene, from) > 0) {
+            result = pack_laser(scene, packed, from, count, next, error);
+            next += mcv_laser_entries(scene, from);
         }
         prepare_emitter(scene, packed, i, to);
         find_reach(scene, packed, from, to);

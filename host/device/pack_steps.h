@@ -45,6 +45,9 @@ uint32_t mcv_shading_of(const mcv_packed *packed, const mcv_device_instance *ins
 
 /* Entries of an environment's image in the table of shares: its rows, then each row's pixels. */
 size_t mcv_environment_entries(const mcv_texture *image);
+
+/* Entries of a laser's table of columns; 0 without one. */
+size_t mcv_laser_entries(const mcv_scene *scene, const mcv_emitter *emitter);
 mcv_result mcv_pack_emitters(const mcv_scene *scene, mcv_packed *packed, mcv_error *error);
 
 /* light_tree.c: the tree and the emitters' trails, from their other fields. */

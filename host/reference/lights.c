@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "reference/lights.h"
 
+#include "reference/laser.h"
 #include "reference/texture.h"
 #include "scene/emitters.h"
 
@@ -61,13 +62,15 @@ static bool point_at(const mcv_emitter *emitter, ref_vec point, ref_light *light
 }
 
 bool ref_light_at(const mcv_scene *scene, const mcv_emitter *emitter, ref_vec point,
-                  ref_light *light) {
+                  ref_random *random, ref_light *light) {
     *light = (ref_light){.instance = MCV_NONE};
     for (int channel = 0; channel < 3; ++channel)
         light->irradiance[channel] = emitter->radiance[channel];
     switch (emitter->type) {
     case MCV_EMITTER_COLLIMATED_BEAM:
         return beam_at(scene, emitter, point, light);
+    case MCV_EMITTER_LASER:
+        return ref_laser_at(scene, emitter, point, random, light);
     case MCV_EMITTER_DIRECTIONAL:
         light->direction = axis_of(&emitter->to_world, 2);
         light->distance = INFINITY;

@@ -1,9 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Emitters that no direction chosen otherwise can meet: beams, and lights without extent. */
+/* Emitters that no direction chosen otherwise can meet: beams, lasers, lights without extent. */
 #ifndef MCVISI_HOST_REFERENCE_LIGHTS_H
 #define MCVISI_HOST_REFERENCE_LIGHTS_H
 
 #include "reference/geometry.h"
+#include "reference/random.h"
 
 /* What such an emitter sends through a point. */
 typedef struct ref_light {
@@ -13,8 +14,9 @@ typedef struct ref_light {
     double irradiance[3]; /* on a plane across the direction [W/m²] */
 } ref_light;
 
-/* False where the emitter is of another kind, or sends nothing there. */
+/* False where the emitter is of another kind, or sends nothing there. A laser draws numbers for the
+ * ray that it sends through the point. */
 bool ref_light_at(const mcv_scene *scene, const mcv_emitter *emitter, ref_vec point,
-                  ref_light *light);
+                  ref_random *random, ref_light *light);
 
 #endif

@@ -85,11 +85,11 @@ static void add_direct(const ref_world *world, const ref_path *p, const ref_emit
 
 /* Adds the light of one beam or light without extent at a surface that spreads it. */
 static void add_light(const ref_world *world, const ref_path *p, const mcv_emitter *emitter,
-                      const ref_surface *surface, const ref_scatterer *s, ref_tally *tally,
-                      double radiance[3]) {
+                      const ref_surface *surface, const ref_scatterer *s, ref_random *random,
+                      ref_tally *tally, double radiance[3]) {
     ref_light light;
     double value[3];
-    if (!ref_light_at(world->scene, emitter, surface->position, &light)) return;
+    if (!ref_light_at(world->scene, emitter, surface->position, random, &light)) return;
     respond(s, light.direction, value);
     if (!(ref_largest(value) > 0)) return;
     ref_hit hit;
@@ -139,7 +139,7 @@ bool ref_scatter(const ref_world *world, ref_path *p, const ref_surface *surface
         for (uint32_t i = 0; i < world->emitters.count; ++i)
             add_direct(world, p, &world->emitters.items[i], surface, s, random, tally, radiance);
     for (uint32_t i = 0; i < world->scene->emitter_count && !last; ++i)
-        add_light(world, p, &world->scene->emitters[i], surface, s, tally, radiance);
+        add_light(world, p, &world->scene->emitters[i], surface, s, random, tally, radiance);
     double value[3];
     const ref_vec direction = choose(s, random);
     const double density = respond(s, direction, value);

@@ -2,6 +2,7 @@
 /* Emitters on the host: their parameters, images and radiometry. */
 #include "scene/emitter_shape.h"
 
+#include "scene/laser.h"
 #include "scene/params.h"
 #include "scene/sensors.h"
 #include "scene/texture.h"
@@ -17,13 +18,17 @@ double mcv_emitter_half_angle(const mcv_emitter *emitter) {
 
 bool mcv_emitter_is_point_light(uint32_t type) { return MCV_IS_EMITTER_OF(MCV_POINT_LIGHTS, type); }
 
+bool mcv_emitter_has_place(uint32_t type) {
+    return mcv_emitter_is_point_light(type) || type == MCV_EMITTER_LASER;
+}
+
 bool mcv_emitter_is_surface_light(uint32_t type) {
     return MCV_IS_EMITTER_OF(MCV_SURFACE_LIGHTS, type);
 }
 
 bool mcv_emitter_has_surface(uint32_t type) {
     return type != MCV_EMITTER_ENVIRONMENT && type != MCV_EMITTER_DIRECTIONAL &&
-           !mcv_emitter_is_point_light(type);
+           !mcv_emitter_has_place(type);
 }
 
 mcv_result mcv_emitter_check(mcv_emitter *emitter, const mcv_json_path *place, mcv_error *error) {
@@ -34,6 +39,8 @@ mcv_result mcv_emitter_check(mcv_emitter *emitter, const mcv_json_path *place, m
             "0 is a collimated beam: use the type \"collimatedBeam\", or give an angle above 0");
     }
     MCV_TRY(mcv_params_check(mcv_emitter_table(emitter->type), &emitter->as, place, error));
+    if (emitter->type == MCV_EMITTER_LASER)
+        return mcv_laser_check(&emitter->as.laser, place, error);
     if (emitter->type == MCV_EMITTER_PROJECTOR) {
         mcv_projector_params *p = &emitter->as.projector;
         return mcv_lens_resolve((mcv_lens){p->focalLength, &p->imageDistance, &p->focusDistance,
@@ -105,11 +112,12 @@ bool mcv_emitter_mirrors(const mcv_emitter *emitter) {
 
 static const struct {
     const char *key, *unit;
-} brightnesses[] = {{"radiance", "W/(m² sr)"}, {"irradiance", "W/m²"}, {"intensity", "W/sr"}};
+} brightnesses[] = {
+    {"radiance", "W/(m² sr)"}, {"irradiance", "W/m²"}, {"intensity", "W/sr"}, {"power", "W"}};
 
 const char *mcv_emitter_brightness(const mcv_emitter *emitter, const char **unit) {
     int i = 0;
-    while (i < 2 && !parameter(emitter, brightnesses[i].key)) ++i;
+    while (i < 3 && !parameter(emitter, brightnesses[i].key)) ++i;
     *unit = brightnesses[i].unit;
     return brightnesses[i].key;
 }
@@ -125,6 +133,8 @@ mcv_result mcv_emitter_check_image(const mcv_scene *scene, const mcv_emitter *em
     if (!image || *image == MCV_NONE) return MCV_OK;
     if (*image >= scene->texture_count)
         return mcv_fail_at(&here, error, "texture %u does not exist", *image);
+    if (emitter->type == MCV_EMITTER_LASER)
+        return mcv_laser_check_table(scene->textures + *image, &here, error);
     if (!mcv_emitter_has_surface(emitter->type)) return MCV_OK;
     const mcv_mesh *mesh = scene->meshes + scene->instances[emitter->instance].mesh;
     if (emitter->type != MCV_EMITTER_SCREEN && (mesh->triangle_count != 2 || !mesh->texcoords))
@@ -250,6 +260,7 @@ void mcv_emitter_image_mean(const mcv_scene *scene, const mcv_emitter *emitter, 
     double sum[3] = {0, 0, 0}, total = 0, rgb[3], decoded[256];
     for (int i = 0; i < 3; ++i) mean[i] = 1;
     if (!parameter(emitter, "image") || emitter->texture == MCV_NONE) return;
+    if (emitter->type == MCV_EMITTER_LASER) return; /* its table is normalised */
     const mcv_texture *texture = scene->textures + emitter->texture;
     mcv_srgb_table(decoded);
     for (uint32_t row = 0; row < texture->height; ++row)
@@ -263,7 +274,8 @@ void mcv_emitter_image_mean(const mcv_scene *scene, const mcv_emitter *emitter, 
 }
 
 double mcv_emitter_solid_angle(const mcv_emitter *emitter) {
-    if (emitter->type == MCV_EMITTER_PROJECTOR) return (double)NAN;
+    if (emitter->type == MCV_EMITTER_PROJECTOR || emitter->type == MCV_EMITTER_LASER)
+        return (double)NAN;
     if (mcv_emitter_is_surface_light(emitter->type)) return 2 * M_PI;
     if (emitter->type == MCV_EMITTER_ENVIRONMENT || emitter->type == MCV_EMITTER_POINT)
         return 4 * M_PI;
@@ -316,6 +328,8 @@ double mcv_emitter_unit_power(const mcv_scene *scene, const mcv_emitter *emitter
     case MCV_EMITTER_ENVIRONMENT:
     case MCV_EMITTER_DIRECTIONAL:
         return (double)NAN;
+    case MCV_EMITTER_LASER:
+        return 1; /* its brightness is its power */
     case MCV_EMITTER_POINT:
         return 4 * M_PI;
     case MCV_EMITTER_SPOT: /* 1 - cosθ = 2 sin²(θ/2) */
@@ -340,7 +354,7 @@ mcv_result mcv_emitter_resolve(const mcv_scene *scene, mcv_emitter *emitter,
     const char *unit, *key = mcv_emitter_brightness(emitter, &unit);
     const double *brightness = mcv_emitter_parameter(emitter, key);
     const double *power = mcv_emitter_parameter(emitter, "power");
-    const bool has_power = power && !isnan(power[0]);
+    const bool has_power = power && power != brightness && !isnan(power[0]);
     if (isnan(brightness[0]) && !has_power)
         return mcv_fail_at(place, error, "needs %s [%s] or power [W]", key, unit);
     if (!isnan(brightness[0]) && has_power)

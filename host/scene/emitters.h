@@ -11,6 +11,9 @@
 /* Is it a light without extent (MCV_POINT_LIGHTS)? */
 bool mcv_emitter_is_point_light(uint32_t type);
 
+/* Has it a place but no surface: a light without extent, or a laser? */
+bool mcv_emitter_has_place(uint32_t type);
+
 /* Does its radiance depend on the angle from its surface's normal alone (MCV_SURFACE_LIGHTS)? */
 bool mcv_emitter_is_surface_light(uint32_t type);
 
@@ -40,8 +43,8 @@ void mcv_emitter_size(const mcv_scene *scene, const mcv_emitter *emitter, double
 /* The member `radiance` or `power` of the parameters, or NULL where this type has none. */
 double *mcv_emitter_parameter(mcv_emitter *emitter, const char *key);
 
-/* What says how bright it is apart from `power`: "radiance", "irradiance" or "intensity"; *unit is
- * its unit. */
+/* What says how bright it is apart from `power`: "radiance", "irradiance" or "intensity"; of a
+ * laser "power" itself. *unit is its unit. */
 const char *mcv_emitter_brightness(const mcv_emitter *emitter, const char **unit);
 
 /* Are its image's columns flipped? */
@@ -74,7 +77,8 @@ void mcv_emitter_image_mean(const mcv_scene *scene, const mcv_emitter *emitter, 
 
 /*
  * Solid angle into which each of its points emits [sr]: 4π sin²(β/2) for a cone, 2π for area, 4π
- * for the environment, less than 2π for a light field; NaN for a projector, whose image says.
+ * for the environment, less than 2π for a light field; NaN for a projector, whose image says, and a
+ * laser.
  */
 double mcv_emitter_solid_angle(const mcv_emitter *emitter);
 

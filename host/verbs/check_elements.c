@@ -5,6 +5,7 @@
 
 #include "scene/emitters.h"
 #include "scene/geometry.h"
+#include "scene/laser.h"
 #include "scene/materials.h"
 #include "scene/mesh.h"
 #include "scene/params.h"
@@ -92,6 +93,18 @@ static void report_lens(mcv_report *report, const mcv_scene *scene, const mcv_em
         2);
 }
 
+/* A laser's beam: what its diameter or thickness says by 1/e², and how it spreads. */
+static void report_laser(mcv_report *report, const mcv_emitter *emitter) {
+    const mcv_laser_beam beam = mcv_laser_beam_of(&emitter->as.laser);
+    const size_t first = beam.is_line, count = 2 - first;
+    mcv_report_number(report, "wavelength", "m", emitter->as.laser.wavelength);
+    mcv_report_numbers(report, "waist_radius", "m", " x ", beam.waist + first, count);
+    mcv_report_numbers(report, "divergence", "rad", " x ", beam.divergence + first, count);
+    mcv_report_numbers(report, "rayleigh_length", "m", " x ", beam.rayleigh + first, count);
+    mcv_report_number(report, "workingDistance", "m", emitter->as.laser.workingDistance);
+    if (beam.is_line) mcv_report_number(report, "fanAngle", "rad", emitter->as.laser.fanAngle);
+}
+
 void mcv_check_report_emitter(mcv_report *report, const mcv_scene *scene, uint32_t index) {
     const mcv_emitter *emitter = scene->emitters + index;
     const double half_angle = mcv_emitter_half_angle(emitter),
@@ -113,11 +126,13 @@ void mcv_check_report_emitter(mcv_report *report, const mcv_scene *scene, uint32
     mcv_report_number(report, "solid_angle", "sr", mcv_emitter_solid_angle(emitter));
     report_radiometry(report, key, unit, emitter, 1, (const double[]){1, 1, 1});
     if (emitter->type == MCV_EMITTER_PROJECTOR) report_lens(report, scene, emitter);
+    if (emitter->type == MCV_EMITTER_LASER) report_laser(report, emitter);
     if (radiant)
         report_radiometry(report, "exitance", "W/m²", emitter,
                           mcv_emitter_projected_solid_angle(emitter), mean);
     if (emitter->instance != MCV_NONE) mcv_report_number(report, "area", "m²", emitter->area);
-    if (!isnan(power)) report_radiometry(report, "power", "W", emitter, power, mean);
+    if (!isnan(power) && strcmp(key, "power") != 0)
+        report_radiometry(report, "power", "W", emitter, power, mean);
     if (mcv_emitter_image(&own) && emitter->texture != MCV_NONE) {
         const mcv_texture *image = scene->textures + emitter->texture;
         mcv_report_text(report, "image", image->name);

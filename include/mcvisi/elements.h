@@ -39,6 +39,7 @@
     MCV_SURFACE_LIGHTS(X) \
     X(environment, "environment", ENVIRONMENT) \
     X(collimated_beam, "collimatedBeam", COLLIMATED_BEAM) \
+    X(laser, "laser", LASER) \
     MCV_POINT_LIGHTS(X) \
     X(directional, "directional", DIRECTIONAL)
 
@@ -138,6 +139,9 @@ enum { MCV_MATERIALS(MCV_MATERIAL_ENUM) MCV_MATERIAL_COUNT };
 #endif
 #if !MCV_ON_DEVICE || MCV_WITH_BEAM
 #include "mcvisi/emitters/collimated_beam.h"
+#endif
+#if !MCV_ON_DEVICE || MCV_WITH_LASER
+#include "mcvisi/emitters/laser.h"
 #endif
 #if !MCV_ON_DEVICE || MCV_WITH_PUNCTUAL
 #include "mcvisi/emitters/directional.h"

@@ -36,6 +36,7 @@
     X(ENVIRONMENT, "environment", "the scene has a uniform environment") \
     X(ENVIRONMENT_IMAGE, "environment-image", "the scene has an environment with an image") \
     X(BEAM, "collimated-beam", "the scene has a collimated beam") \
+    X(LASER, "laser", "the scene has a laser") \
     X(PUNCTUAL, "punctual", "the scene has a point, spot or directional light") \
     X(NEXT_EVENT, "next-event", \
       "next-event estimation: surfaces that scatter light sample the emitters") \

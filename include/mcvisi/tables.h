@@ -217,6 +217,11 @@ typedef struct mcv_device_emitter {
 #else
     uint no_beam[12];
 #endif
+#if !MCV_ON_DEVICE || MCV_WITH_LASER
+    mcv_laser laser;
+#else
+    uint no_laser[32];
+#endif
 #if !MCV_ON_DEVICE || MCV_WITH_PUNCTUAL
     mcv_point_light light;
     mcv_directional directional;
@@ -234,7 +239,7 @@ typedef struct mcv_device_emitter {
     uint no_rectangle[24];
 #endif
 } mcv_device_emitter;
-MCV_ASSERT_SIZE(mcv_device_emitter, 512);
+MCV_ASSERT_SIZE(mcv_device_emitter, 640);
 
 /* A node of the light tree: emitters that are chosen together (kernels/light/tree.h). */
 typedef struct mcv_light_node {

@@ -8,6 +8,7 @@
 
 #include "light/emission.h"
 #include "light/environment.h"
+#include "light/laser.h"
 #include "light/shadow.h"
 
 #if MCV_WITH_NEXT_EVENT
@@ -113,6 +114,7 @@ MCV_FUNCTION mcv_shadow mcv_sample_environment(mcv_world world, mcv_receiver at,
 #define MCV_DIRECTION_SAMPLERS(X) \
     MCV_WHERE(MCV_WITH_PARALLEL, X(MCV_EMITTER_PARALLEL, mcv_sample_parallel)) \
     MCV_WHERE(MCV_WITH_BEAM, X(MCV_EMITTER_COLLIMATED_BEAM, mcv_sample_beam)) \
+    MCV_WHERE(MCV_WITH_LASER, X(MCV_EMITTER_LASER, mcv_sample_laser)) \
     MCV_WHERE(MCV_WITH_PUNCTUAL, X(MCV_EMITTER_POINT, mcv_sample_point_light)) \
     MCV_WHERE(MCV_WITH_PUNCTUAL, X(MCV_EMITTER_DIRECTIONAL, mcv_sample_directional)) \
     MCV_WHERE(MCV_WITH_ENVIRONMENT_IMAGE, \

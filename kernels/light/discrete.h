@@ -3,7 +3,7 @@
 #ifndef MCVISI_KERNELS_DISCRETE_H
 #define MCVISI_KERNELS_DISCRETE_H
 
-#include "mcvisi/dialect.h"
+#include "mcvisi/sampling.h"
 
 /*
  * A number xi has 24 bits, too few for the triangles of a large mesh: 7 more are the last ones of
@@ -43,11 +43,6 @@ MCV_FUNCTION uint mcv_search_cdf(MCV_GLOBAL const uint *cdf, uint count, uint bi
     for (uint digit = mcv_cdf_digit(count); digit > 0; digit /= 2)
         found = mcv_cdf_step(cdf, count, found, digit, bits);
     return found;
-}
-
-/* The share of entry i. */
-MCV_LOOP_FUNCTION float mcv_cdf_share(MCV_GLOBAL const uint *cdf, uint i) {
-    return (float)(cdf[i + 1] - cdf[i]) * 4.656612873077393e-10f; /* 2^-31 */
 }
 
 /*

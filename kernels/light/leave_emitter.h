@@ -8,6 +8,7 @@
 #define MCVISI_KERNELS_LEAVE_EMITTER_H
 
 #include "light/emitter_point.h"
+#include "light/laser.h"
 #include "light/light_path.h"
 #include "path/identity.h"
 
@@ -211,8 +212,18 @@ MCV_FUNCTION void mcv_leave_directional(mcv_world world, mcv_pair place, mcv_pai
 MCV_FUNCTION mcv_light_path mcv_begin_light_path(mcv_world world, mcv_pair which, mcv_pair place,
                                                  mcv_pair turn) {
     mcv_light_path path = mcv_make_light_path(world, mcv_choose_light(world, which));
-#if MCV_WITH_PUNCTUAL
+#if MCV_WITH_LASER || MCV_WITH_PUNCTUAL
     const uint type = world.emitters[path.emitter].type;
+#endif
+#if MCV_WITH_LASER
+    if (type == MCV_EMITTER_LASER) {
+        const float share =
+            mcv_leave_laser(world, path.emitter, place, turn, &path.origin, &path.direction);
+        path.flux = mcv_dim(path.flux, share);
+        return path;
+    }
+#endif
+#if MCV_WITH_PUNCTUAL
     if (type == MCV_EMITTER_POINT) {
         mcv_leave_point_light(world, turn, &path);
         return path;

@@ -29,7 +29,7 @@ MCV_LOOP_FUNCTION int mcv_emitter_reaches(__global const mcv_device_emitter *e, 
     const int behind_it = -mcv_dot(axis, way) < 0.0f;
     const int behind_face = mcv_dot(face, way) < -mcv_stretch(e, face),
               behind_normal = mcv_dot(normal, way) < -mcv_stretch(e, normal);
-    const int behind = (sides == 1u) & behind_face & behind_normal;
+    int behind = (sides == 1u) & behind_face & behind_normal;
     int lit = 1;
 #if MCV_WITH_PARALLEL
     const float ahead =
@@ -47,7 +47,11 @@ MCV_LOOP_FUNCTION int mcv_emitter_reaches(__global const mcv_device_emitter *e, 
     lit &= (e->type != MCV_EMITTER_POINT) |
            (mcv_point_light_share(&e->light, mcv_normalize(mcv_scale(way, -1.0f))) > 0.0f);
 #endif
-    const int nowhere = e->radius < 0.0f;
+    int nowhere = e->radius < 0.0f;
+#if MCV_WITH_LASER
+    nowhere &= (e->type != MCV_EMITTER_LASER) | mcv_laser_covers(&e->laser, mcv_scale(way, -1.0f));
+    behind |= e->type == MCV_EMITTER_LASER;
+#endif
     return (e->probability > 0.0f) & (nowhere | (!behind_it & !behind & lit));
 }
 

@@ -27,7 +27,7 @@
 /* Surfaces that a light path meets before roulette may end it. */
 #define MCV_LIGHT_ROULETTE_DEPTH 5u
 
-#if MCV_WITH_BEAM
+#if MCV_WITH_BEAMS
 /* A beam reaches the plane of the lens before t, from smooth surfaces or straight from its emitter.
  */
 static void mcv_enter_lens(mcv_world world, mcv_light_path path, float t, __global uint *splats,
@@ -123,8 +123,9 @@ MCV_FUNCTION void mcv_trace_light_path(mcv_world world, uint index, __global uin
         const mcv_pair choice = mcv_light_pair(id, depth, MCV_PAIR_CHOICE);
         const mcv_hit hit = mcv_closest(world, path.origin, path.direction, path.origin_surface);
         ++counts[MCV_COUNTER_rays];
-#if MCV_WITH_BEAM
-        if (world.emitters[path.emitter].type == MCV_EMITTER_COLLIMATED_BEAM &&
+#if MCV_WITH_BEAMS
+        const uint type = world.emitters[path.emitter].type;
+        if ((type == MCV_EMITTER_COLLIMATED_BEAM || type == MCV_EMITTER_LASER) &&
             !(path.path_class & MCV_LIGHT_SPREAD))
             mcv_enter_lens(world, path, hit.t, splats, id.replicate, choice.x, counts);
 #endif

@@ -195,9 +195,10 @@ static void test_bad_input(void **state) {
         {"\"type\":\"collimatedBeam\",\"irradiance\":1", "emitters/e/size: is missing"},
         {"\"type\":\"collimatedBeam\",\"size\":0,\"irradiance\":1",
          "emitters/e/size: 0 must be above 0"},
-        {"\"type\":\"laser\",\"size\":1", "emitters/e/type: unknown type \"laser\": known are "
-                                          "parallel, telecentricProjector, lightField, projector, "
-                                          "area, environment, collimatedBeam"},
+        {"\"type\":\"bulb\",\"size\":1", "emitters/e/type: unknown type \"bulb\": known are "
+                                         "parallel, telecentricProjector, lightField, projector, "
+                                         "area, screen, environment, "
+                                         "collimatedBeam"},
         {"\"type\":\"unknown\"", "known are parallel, "},
         {"\"type\":\"parallel\",\"size\":1,\"radiance\":1,\"halfAngle\":0",
          "use the type \"collimatedBeam\""},

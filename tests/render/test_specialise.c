@@ -38,6 +38,7 @@ static const struct {
     {"emitters/screen.h", MCV_FEATURE_BIT(AREA)},
     {"emitters/environment.h", MCV_FEATURE_BIT(ENVIRONMENT_IMAGE)},
     {"emitters/collimated_beam.h", MCV_FEATURE_BIT(BEAM)},
+    {"emitters/laser.h", MCV_FEATURE_BIT(LASER)},
     {"emitters/point.h", MCV_FEATURE_BIT(PUNCTUAL)},
     {"emitters/spot.h", MCV_FEATURE_BIT(PUNCTUAL)},
     {"emitters/directional.h", MCV_FEATURE_BIT(PUNCTUAL)},

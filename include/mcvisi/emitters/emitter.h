@@ -3,9 +3,9 @@
  * What all emitters share. Most emitters are a set of triangles: a mesh, or the rectangle that
  * `size` spans in the node's xy plane, facing -z. They emit radiance only from the front side,
  * given by the interpolated normal. Sizes do not scale with the node. Rectangles absorb what falls
- * on them; meshes keep their material. Environments and point, spot and directional lights have no
- * surface. Rays hit the environment by chance, but never the other three nor the collimated beam:
- * only next-event estimation and light paths find those.
+ * on them; meshes keep their material. Environments, lasers and point, spot and directional lights
+ * have no surface. Rays hit the environment by chance, but never the others nor the collimated
+ * beam: only next-event estimation and light paths find those.
  *
  * An emitter is one header with
  *     MCV_<NAME>_PARAMS(X)      its parameters (mcvisi/params.h)
