@@ -15,6 +15,7 @@
 #include "cl/programs.h"
 
 enum { MAX_PLATFORMS = 16, MAX_DEVICES = 64, BUILD_LOG_SHOWN = 1200 };
+enum { NO_PLATFORM = -1001 }; /* CL_PLATFORM_NOT_FOUND_KHR: the loader knows no driver */
 
 #define MCV_CL_ERRORS(X) \
     X(CL_DEVICE_NOT_FOUND) \
@@ -66,7 +67,7 @@ const char *mcv_cl_error_name(cl_int code) {
         return #name;
         MCV_CL_ERRORS(MCV_X)
 #undef MCV_X
-    case -1001:
+    case NO_PLATFORM:
         return "CL_PLATFORM_NOT_FOUND_KHR";
     default:
         return "an unknown OpenCL error";
@@ -75,7 +76,8 @@ const char *mcv_cl_error_name(cl_int code) {
 
 /* Choosing a device */
 
-static void describe(cl_platform_id platform, cl_device_id device, mcv_cl *cl) {
+/* The code of the first question that failed, or CL_SUCCESS. */
+static cl_int describe(cl_platform_id platform, cl_device_id device, mcv_cl *cl) {
     char platform_name[100] = "";
     char device_name[150] = "";
     char device_version[120] = "";
@@ -85,45 +87,40 @@ static void describe(cl_platform_id platform, cl_device_id device, mcv_cl *cl) {
     memset(cl, 0, sizeof *cl);
     cl->platform = platform;
     cl->device = device;
-    clGetPlatformInfo(platform, CL_PLATFORM_NAME, sizeof platform_name, platform_name, NULL);
-    clGetDeviceInfo(device, CL_DEVICE_NAME, sizeof device_name, device_name, NULL);
-    clGetDeviceInfo(device, CL_DEVICE_VERSION, sizeof device_version, device_version, NULL);
-    clGetDeviceInfo(device, CL_DRIVER_VERSION, sizeof driver, driver, NULL);
-    clGetDeviceInfo(device, CL_DEVICE_TYPE, sizeof type, &type, NULL);
-    clGetDeviceInfo(device, CL_DEVICE_SINGLE_FP_CONFIG, sizeof single, &single, NULL);
-    clGetDeviceInfo(device, CL_DEVICE_GLOBAL_MEM_SIZE, sizeof cl->memory, &cl->memory, NULL);
-    clGetDeviceInfo(device, CL_DEVICE_MAX_MEM_ALLOC_SIZE, sizeof cl->largest_allocation,
-                    &cl->largest_allocation, NULL);
-    clGetDeviceInfo(device, CL_DEVICE_MAX_COMPUTE_UNITS, sizeof cl->units, &cl->units, NULL);
+    const struct {
+        cl_device_info what;
+        size_t size;
+        void *answer;
+    } questions[] = {
+        {CL_DEVICE_NAME, sizeof device_name, device_name},
+        {CL_DEVICE_VERSION, sizeof device_version, device_version},
+        {CL_DRIVER_VERSION, sizeof driver, driver},
+        {CL_DEVICE_TYPE, sizeof type, &type},
+        {CL_DEVICE_SINGLE_FP_CONFIG, sizeof single, &single},
+        {CL_DEVICE_GLOBAL_MEM_SIZE, sizeof cl->memory, &cl->memory},
+        {CL_DEVICE_MAX_MEM_ALLOC_SIZE, sizeof cl->largest_allocation, &cl->largest_allocation},
+        {CL_DEVICE_MAX_COMPUTE_UNITS, sizeof cl->units, &cl->units}};
+    cl_int code =
+        clGetPlatformInfo(platform, CL_PLATFORM_NAME, sizeof platform_name, platform_name, NULL);
+    for (size_t i = 0; i < sizeof questions / sizeof questions[0] && code == CL_SUCCESS; ++i)
+        code = clGetDeviceInfo(device, questions[i].what, questions[i].size, questions[i].answer,
+                               NULL);
     snprintf(cl->name, sizeof cl->name, "%s: %s", platform_name, device_name);
     snprintf(cl->version, sizeof cl->version, "%s, driver %s", device_version, driver);
     cl->cpu = (type & CL_DEVICE_TYPE_CPU) != 0;
     cl->correct_divide_sqrt = (single & CL_FP_CORRECTLY_ROUNDED_DIVIDE_SQRT) != 0;
+    return code;
 }
 
-mcv_result mcv_cl_list(void (*told)(void *user, unsigned index, const mcv_cl *device), void *user,
-                       mcv_error *error) {
-    cl_platform_id platforms[MAX_PLATFORMS];
-    cl_uint platform_count = 0;
-    MCV_TRY(mcv_pocl_check(error));
-    const cl_int code = clGetPlatformIDs(MAX_PLATFORMS, platforms, &platform_count);
-    if (code != CL_SUCCESS) platform_count = 0; /* the loader reports "no platform" as an error */
-    if (platform_count > MAX_PLATFORMS) platform_count = MAX_PLATFORMS;
-    unsigned index = 0;
-    for (cl_uint p = 0; p < platform_count; ++p) {
-        cl_device_id devices[MAX_DEVICES];
-        cl_uint count = 0;
-        if (clGetDeviceIDs(platforms[p], CL_DEVICE_TYPE_ALL, MAX_DEVICES, devices, &count) !=
-            CL_SUCCESS)
-            continue;
-        for (cl_uint d = 0; d < count && d < MAX_DEVICES; ++d, ++index) {
-            mcv_cl cl;
-            describe(platforms[p], devices[d], &cl);
-            told(user, index, &cl);
-        }
-    }
-    if (index > 0) return MCV_OK;
+/* A sentence for the failure of all drivers; `code` is the last one's, or CL_SUCCESS. */
+static mcv_result no_device(cl_int code, mcv_error *error) {
     struct rlimit space;
+    if (code != CL_SUCCESS)
+        return mcv_fail(
+            error, MCV_DEVICE,
+            "no OpenCL device can be used: the driver answered %s when it was asked for "
+            "its devices; look for its messages, or start it anew",
+            mcv_cl_error_name(code));
     if (getrlimit(RLIMIT_AS, &space) == 0 && space.rlim_cur != RLIM_INFINITY)
         return mcv_fail(error, MCV_DEVICE,
                         "no OpenCL driver could be loaded within the limit of the address space, "
@@ -133,6 +130,37 @@ mcv_result mcv_cl_list(void (*told)(void *user, unsigned index, const mcv_cl *de
     return mcv_fail(error, MCV_DEVICE,
                     "no OpenCL device was found: install an OpenCL driver, such as Debian's "
                     "pocl-opencl-icd for the CPU");
+}
+
+mcv_result mcv_cl_list(void (*told)(void *user, unsigned index, const mcv_cl *device), void *user,
+                       mcv_error *error) {
+    cl_platform_id platforms[MAX_PLATFORMS];
+    cl_uint platform_count = 0;
+    MCV_TRY(mcv_pocl_check(error));
+    cl_int failure = clGetPlatformIDs(MAX_PLATFORMS, platforms, &platform_count);
+    if (failure != CL_SUCCESS) platform_count = 0;
+    if (failure == NO_PLATFORM) failure = CL_SUCCESS;
+    if (platform_count > MAX_PLATFORMS) platform_count = MAX_PLATFORMS;
+    unsigned index = 0, described = 0;
+    for (cl_uint p = 0; p < platform_count; ++p) {
+        cl_device_id devices[MAX_DEVICES];
+        cl_uint count = 0;
+        cl_int code =
+            clGetDeviceIDs(platforms[p], CL_DEVICE_TYPE_ALL, MAX_DEVICES, devices, &count);
+        if (code != CL_SUCCESS) count = 0;
+        if (code != CL_SUCCESS && code != CL_DEVICE_NOT_FOUND) failure = code;
+        for (cl_uint d = 0; d < count && d < MAX_DEVICES; ++d, ++index) {
+            mcv_cl cl;
+            code = describe(platforms[p], devices[d], &cl);
+            if (code != CL_SUCCESS) {
+                failure = code; /* the other devices keep their numbers */
+                continue;
+            }
+            told(user, index, &cl);
+            ++described;
+        }
+    }
+    return described > 0 ? MCV_OK : no_device(failure, error);
 }
 
 typedef struct choice {

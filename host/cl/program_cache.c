@@ -43,7 +43,7 @@ cl_context mcv_cached_context(cl_device_id device, cl_int *code) {
     }
     cache.device = device;
     cl_context context = cache.context;
-    if (context) clRetainContext(context);
+    if (context && (*code = clRetainContext(context)) != CL_SUCCESS) context = NULL;
     pthread_mutex_unlock(&cache.lock);
     return context;
 }
@@ -56,7 +56,7 @@ cl_program mcv_cached_program(cl_context context, const char *source, const char
         if (k->program && k->source == source && strcmp(k->options, options) == 0)
             found = k->program;
     }
-    if (found) clRetainProgram(found);
+    if (found && clRetainProgram(found) != CL_SUCCESS) found = NULL;
     pthread_mutex_unlock(&cache.lock);
     return found;
 }
@@ -64,10 +64,9 @@ cl_program mcv_cached_program(cl_context context, const char *source, const char
 void mcv_keep_program(cl_context context, const char *source, const char *options,
                       cl_program program) {
     pthread_mutex_lock(&cache.lock);
-    if (context == cache.context) {
+    if (context == cache.context && clRetainProgram(program) == CL_SUCCESS) {
         cached_program *k = &cache.programs[cache.next++ % CACHED_PROGRAMS];
         if (k->program) clReleaseProgram(k->program);
-        clRetainProgram(program);
         k->program = program;
         k->source = source;
         snprintf(k->options, sizeof k->options, "%s", options);

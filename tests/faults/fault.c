@@ -1,11 +1,16 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Preloaded into the program: fails the call MCV_FAULT_AT of one kind of call (MCV_FAULT: memory,
- * write, fsync, rename, open), counted from 1, from main() on. At the end it writes how many there
+ * own, write, fsync, rename), counted from 1, from main() on. At the end it writes how many there
  * were to MCV_FAULT_COUNT. Calls before main() are the dynamic linker's.
+ *
+ * own: memory that the program itself or its JSON library asks for. OpenCL drivers end the process
+ * where they have no memory, which is not ours to mend.
  */
 #include <dlfcn.h>
 #include <errno.h>
+#include <link.h>
+#include <stdint.h>
 #include <fcntl.h>
 #include <stdatomic.h>
 #include <stdbool.h>
@@ -27,72 +32,89 @@ extern void *__libc_malloc(size_t);
 extern void *__libc_calloc(size_t, size_t);
 extern void *__libc_realloc(void *, size_t);
 
+/* Addresses of the program and of the JSON library. */
+static struct { uintptr_t begin, end; } own[16];
+static int own_count;
+
+static int find_own(struct dl_phdr_info *object, size_t size, void *user) {
+    (void)size, (void)user;
+    const bool program = object->dlpi_name[0] == '\0';
+    if (!program && !strstr(object->dlpi_name, "libjansson")) return 0;
+    for (int i = 0; i < object->dlpi_phnum && own_count < 16; ++i) {
+        const ElfW(Phdr) *part = object->dlpi_phdr + i;
+        if (part->p_type != PT_LOAD) continue;
+        own[own_count].begin = object->dlpi_addr + part->p_vaddr;
+        own[own_count].end = own[own_count].begin + part->p_memsz;
+        ++own_count;
+    }
+    return 0;
+}
+
 static bool fails(const char *of) {
     if (!ready || strcmp(kind, of) != 0) return false;
     return atomic_fetch_add(&calls, 1) + 1 == at;
 }
 
+static bool is_own(const void *caller) {
+    const uintptr_t address = (uintptr_t)caller;
+    for (int i = 0; i < own_count; ++i)
+        if (address >= own[i].begin && address < own[i].end) return true;
+    return false;
+}
+
+static bool fails_memory(const void *caller) {
+    if (!ready || !(fails("memory") || (is_own(caller) && fails("own")))) return false;
+    errno = ENOMEM;
+    return true;
+}
+
 void *malloc(size_t size) {
-    if (fails("memory")) {
-        errno = ENOMEM;
-        return NULL;
-    }
-    return __libc_malloc(size);
+    return fails_memory(__builtin_return_address(0)) ? NULL : __libc_malloc(size);
 }
 
-void *calloc(size_t count, size_t size) {
-    if (fails("memory")) {
-        errno = ENOMEM;
-        return NULL;
-    }
-    return __libc_calloc(count, size);
+void *calloc(size_t nmemb, size_t size) {
+    return fails_memory(__builtin_return_address(0)) ? NULL : __libc_calloc(nmemb, size);
 }
 
-void *realloc(void *old, size_t size) {
-    if (fails("memory")) {
-        errno = ENOMEM;
-        return NULL;
-    }
-    return __libc_realloc(old, size);
+void *realloc(void *ptr, size_t size) {
+    return fails_memory(__builtin_return_address(0)) ? NULL : __libc_realloc(ptr, size);
 }
 
 #define NEXT(type, name) ((type)dlsym(RTLD_NEXT, name))
 
-ssize_t write(int fd, const void *bytes, size_t size) {
-    if (fd > 2 && fails("write")) {
+/* Whether the program itself calls: drivers write caches of theirs. */
+static bool fails_file(const char *of, const void *caller) { return is_own(caller) && fails(of); }
+
+ssize_t write(int fd, const void *buf, size_t n) {
+    if (fd > 2 && fails_file("write", __builtin_return_address(0))) {
         errno = ENOSPC;
         return -1;
     }
-    return NEXT(ssize_t(*)(int, const void *, size_t), "write")(fd, bytes, size);
+    return NEXT(ssize_t(*)(int, const void *, size_t), "write")(fd, buf, n);
 }
 
-ssize_t pwrite64(int fd, const void *bytes, size_t size, off64_t offset) {
-    if (fails("write")) {
+ssize_t pwrite(int fd, const void *buf, size_t n, off_t offset) {
+    if (fails_file("write", __builtin_return_address(0))) {
         errno = ENOSPC;
         return -1;
     }
-    return NEXT(ssize_t(*)(int, const void *, size_t, off64_t), "pwrite64")(fd, bytes, size,
-                                                                            offset);
-}
-
-ssize_t pwrite(int fd, const void *bytes, size_t size, off_t offset) {
-    return pwrite64(fd, bytes, size, offset);
+    return NEXT(ssize_t(*)(int, const void *, size_t, off_t), "pwrite")(fd, buf, n, offset);
 }
 
 int fsync(int fd) {
-    if (fails("fsync")) {
+    if (fails_file("fsync", __builtin_return_address(0))) {
         errno = EIO;
         return -1;
     }
     return NEXT(int (*)(int), "fsync")(fd);
 }
 
-int rename(const char *from, const char *to) {
-    if (fails("rename")) {
+int rename(const char *old, const char *new) {
+    if (fails_file("rename", __builtin_return_address(0))) {
         errno = EACCES;
         return -1;
     }
-    return NEXT(int (*)(const char *, const char *), "rename")(from, to);
+    return NEXT(int (*)(const char *, const char *), "rename")(old, new);
 }
 
 // NOLINTEND(bugprone-reserved-*,cert-dcl*,readability-inconsistent-*)
@@ -112,5 +134,6 @@ __attribute__((constructor)) static void begin(void) {
     kind = getenv("MCV_FAULT");
     at = number ? strtol(number, NULL, 10) : 0;
     atexit(finish);
+    dl_iterate_phdr(find_own, NULL);
     ready = kind != NULL;
 }

@@ -2,67 +2,150 @@
 # SPDX-License-Identifier: Apache-2.0
 """Fails calls of memory and of files in the program, one at a time.
 
-    faults.py PROGRAM FAULT.so SOURCES FOLDER [STEP]
+    faults.py PROGRAM FAULT.so SOURCES FOLDER [STEP [VERB...]]
 
 Each run must end by itself: with exit code 0 where the call did not matter, or with another one and
-a sentence. No output may be half written, and none but the output may stay. STEP: every STEP-th call
-of memory (by default each).
+a sentence. No file may be half written, and none but the outputs may stay. STEP: every STEP-th call
+of memory and of write (by default each). VERB: these alone.
 """
 
+import collections
+import concurrent.futures
+import json
 import os
 import pathlib
+import shutil
 import subprocess
 import sys
+import zipfile
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "scripts"))
+from same_bits import pixels_digest  # pylint: disable=wrong-import-position
 
 CODES = (0, 1, 2, 3, 4)  # 2: a word of the options had no memory
+TIMEOUT = 60  # an undisturbed run takes less than half a second
+FILES = ("write", "fsync", "rename")
+REFERENCE = ["--device", "reference"]
+TINY = ["--resolution", "4x4", "--spp", "4"]
+SCENE = "scenes/beam.gltf"
+# What makes the inputs of the others.
+INPUTS = (["render", SCENE, *REFERENCE, *TINY, "--parts", "replicates", "-o", "in.exr"],
+          *(["render", SCENE, *REFERENCE, "--resolution", "4x4", "--samples", samples, "--film",
+             "in-%d.film" % i, "-o", "part.exr"] for i, samples in enumerate(("0:4", "4:8"))),
+          ["transport", "scenes/projector.gltf", *TINY, "-o", "in.npz"])
+Work = collections.namedtuple("Work", "arguments kinds")
+# OpenCL's drivers end the process where they have no memory: `own` leaves out what they ask for.
+WORK = (
+    Work(["check", SCENE], ("memory",)),
+    Work(["check", "--json", SCENE], ("memory",)),
+    Work(["check", "--strict", SCENE], ("memory",)),
+    Work(["check", "--strict", "--json", SCENE], ("memory",)),
+    Work(["render", SCENE, *REFERENCE, *TINY, "-o", "out.exr"], ("memory", *FILES)),
+    Work(["render", SCENE, *TINY, "-o", "out.exr"], ("own", *FILES)),
+    Work(["camera", "INPUTS/in.exr", "--expose-to", "0.6", "--full-well", "10000", "--read-noise", "5", "-o",
+          "out.exr"],
+         ("memory", *FILES)),
+    Work(["merge", "INPUTS/in-0.film", "INPUTS/in-1.film", "-o", "out.exr"], ("memory", *FILES)),
+    Work(["transport", "scenes/projector.gltf", *TINY, "-o", "out.npz"], ("own", *FILES)),
+    Work(["relight", "INPUTS/in.npz", "-o", "out.exr"], ("memory", *FILES)),
+    Work(["sweep", SCENE, *REFERENCE, *TINY, "--vary", "emitters/0/irradiance=1,2", "--region",
+          "all=0,0,4,4", "--metric", "all.mean", "-o", "out.csv"], ("memory", *FILES)))
 
 
-def main(program, fault, sources, folder, step=1):
-    folder = pathlib.Path(folder)
-    folder.mkdir(parents=True, exist_ok=True)
-    scene = str(pathlib.Path(sources) / "scenes/beam.gltf")
-    render = ["render", scene, "--device", "reference", "--resolution", "4x4", "--spp", "4", "-o",
-              "out.exr"]
-    # Not yet check --strict: it reads its report again, and where jansson's parser has no memory
-    # for a string of it, the program crashes later.
-    work = [("memory", int(step), ["check", scene]),
-            ("write", 1, render), ("fsync", 1, render), ("rename", 1, render)]
-    failures, runs = [], 0
+def is_whole(path):
+    """Whether a file ends as its format says."""
+    data = path.read_bytes()
+    try:
+        if path.suffix == ".exr":
+            return bool(pixels_digest(path))
+        if path.suffix == ".npz":
+            with zipfile.ZipFile(path) as archive:
+                return archive.testzip() is None
+        if path.suffix == ".json":
+            return bool(json.loads(data))
+    except (ValueError, IndexError, zipfile.BadZipFile):
+        return False
+    ends = {".png": b"IEND\xaeB`\x82", ".html": b"</html>\n", ".csv": b"\n"}
+    return data.endswith(ends[path.suffix])
 
-    def run(arguments, kind, at):
-        for path in folder.iterdir():
-            path.unlink()
-        environment = dict(os.environ, LD_PRELOAD=fault, MCV_FAULT=kind, MCV_FAULT_AT=str(at),
-                           MCV_FAULT_COUNT=str(folder / "count"))
-        done = subprocess.run([program, *arguments], cwd=folder, env=environment, timeout=60,
-                              capture_output=True, check=False)
-        count = folder / "count"
-        calls = int(count.read_text()) if count.exists() else 0
-        count.unlink(missing_ok=True)
-        return done, calls
 
-    for kind, every, arguments in work:
-        whole, calls = run(arguments, kind, 0)
-        files = {path.name: path.stat().st_size for path in folder.iterdir()}
-        if whole.returncode != 0 or calls == 0:
-            failures.append("%s %s: %d calls, exit code %d" %
-                            (kind, arguments[0], calls, whole.returncode))
-        for at in range(1, calls + 1, every):
-            done, _ = run(arguments, kind, at)
-            runs += 1
-            where = "%s %d of %d in mcvisi %s" % (kind, at, calls, " ".join(arguments))
-            if done.returncode not in CODES:
-                failures.append("%s: exit code %d" % (where, done.returncode))
-            elif done.returncode != 0 and not done.stderr.strip():
-                failures.append("%s: exit code %d without a sentence" % (where, done.returncode))
-            for path in folder.iterdir():
-                if path.name not in files or path.stat().st_size != files[path.name]:
-                    failures.append("%s: leaves %s of %d bytes" %
-                                    (where, path.name, path.stat().st_size))
-        print("%s in mcvisi %s: %d calls" % (kind, " ".join(arguments[:2]), calls))
-    print("\n".join(failures[:20]))
-    print("%d faults, %d findings" % (runs, len(failures)))
-    return 1 if failures or runs == 0 else 0
+class Runs:
+    def __init__(self, program, fault, sources, folder):
+        self.program, self.fault = program, fault
+        self.sources, self.folder = pathlib.Path(sources), pathlib.Path(folder)
+        shutil.rmtree(folder, ignore_errors=True)
+        self.inputs = self.folder / "inputs"
+        self.inputs.mkdir(parents=True)
+        self.count = 0
+        for arguments in INPUTS:
+            subprocess.run(self.words(arguments), cwd=self.inputs, check=True,
+                           stdout=subprocess.DEVNULL)
+
+    def words(self, arguments):
+        return [self.program, *(word.replace("INPUTS", str(self.inputs))
+                                .replace("scenes/", str(self.sources) + "/scenes/")
+                                for word in arguments)]
+
+    def run(self, arguments, kind, at):
+        """The ended process, how many calls there were, and what is wrong with files and digests."""
+        folder = self.folder / ("%s-%d" % (kind, at))
+        folder.mkdir()
+        counted = self.folder / ("%s-%d.count" % (kind, at))
+        environment = dict(os.environ, LD_PRELOAD=self.fault, MCV_FAULT=kind, MCV_FAULT_AT=str(at),
+                           MCV_FAULT_COUNT=str(counted))
+        try:
+            done = subprocess.run(self.words(arguments), cwd=folder, env=environment, check=False,
+                                  timeout=TIMEOUT, capture_output=True)
+        except subprocess.TimeoutExpired:
+            done = None
+        calls = int(counted.read_text()) if counted.exists() else 0
+        counted.unlink(missing_ok=True)
+        files = {path.name: is_whole(path) and
+                 (pixels_digest(path) if path.suffix == ".exr" else "whole")
+                 if path.suffix != ".part" else False for path in folder.iterdir()}
+        shutil.rmtree(folder)
+        return done, calls, files
+
+    def judge(self, work, kind, at, whole):
+        done, _, files = self.run(work.arguments, kind, at)
+        wrong = ["leaves %s, which is not whole" % name for name, state in files.items()
+                 if not state or name not in whole]
+        if done is None:
+            wrong.append("it hangs")
+        elif done.returncode not in CODES:
+            wrong.append("exit code %d" % done.returncode)
+        elif done.returncode != 0 and not done.stderr.strip():
+            wrong.append("exit code %d without a sentence" % done.returncode)
+        elif done.returncode == 0 and files != whole and not done.stderr.strip():
+            wrong.append("exit code 0 with %s" % files)
+        return ["%s %d in mcvisi %s: %s" % (kind, at, " ".join(work.arguments), text)
+                for text in wrong]
+
+    def all(self, work, step):
+        """What is wrong, of all kinds of fault of a command."""
+        wrong = []
+        for kind in work.kinds:
+            done, calls, whole = self.run(work.arguments, kind, 0)
+            if done is None or done.returncode != 0 or calls == 0 or not all(whole.values()):
+                sys.exit("mcvisi %s without a fault: %s" % (" ".join(work.arguments), done))
+            places = range(1, calls + 1, 1 if kind in ("fsync", "rename") else step)
+            with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+                for found in pool.map(lambda at, kind=kind, whole=whole:
+                                      self.judge(work, kind, at, whole), places):
+                    wrong += found
+            self.count += len(places)
+            print("%-6s in mcvisi %s: %d calls, %d faults" %
+                  (kind, " ".join(work.arguments[:4]), calls, len(places)), flush=True)
+        return wrong
+
+
+def main(program, fault, sources, folder, step=1, *verbs):
+    runs = Runs(program, fault, sources, folder)
+    wrong = [text for work in WORK if not verbs or work.arguments[0] in verbs
+             for text in runs.all(work, int(step))]
+    print("\n".join(wrong[:40]))
+    print("%d faults, %d findings" % (runs.count, len(wrong)))
+    return 1 if wrong or runs.count == 0 else 0
 
 
 if __name__ == "__main__":
