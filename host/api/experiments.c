@@ -3,6 +3,7 @@
 #include "api/experiments.h"
 
 #include "core/basics.h"
+#include "core/json.h"
 #include "verbs/sweep.h"
 
 #include <stdlib.h>
@@ -74,10 +75,13 @@ static mcv_result run_sweep(const mcv_experiment *experiment, const mcv_command 
 static json_t *make_settings(const mcv_command *command, const mcv_rig *rig) {
     const mcv_overrides changes = mcv_rig_changes(rig);
     json_t *settings = mcv_sweep_settings(command), *set = json_array();
+    const json_t *more = json_object_get(settings, "set");
+    bool whole = set != NULL;
     for (size_t i = 0; i < changes.count; ++i)
-        json_array_append_new(set, json_string(changes.items[i]));
-    if (json_object_get(settings, "set")) json_array_extend(set, json_object_get(settings, "set"));
-    if (json_array_size(set) > 0) json_object_set(settings, "set", set);
+        whole = json_array_append_new(set, json_string(changes.items[i])) == 0 && whole;
+    if (more) whole = json_array_extend(set, (json_t *)more) == 0 && whole;
+    if (!whole || json_array_size(set) > 0)
+        mcv_json_put(&settings, "set", whole ? json_incref(set) : NULL);
     json_decref(set);
     return settings;
 }
@@ -94,6 +98,7 @@ static mcv_result run_rig(mcv_session *session, const mcv_rig *rig, const mcv_co
     experiment.memory = (uint64_t)command->memory;
     experiment.table = command->table;
     experiment.settings = make_settings(command, rig);
+    if (!experiment.settings) return mcv_fail(error, MCV_FAILED, "no memory for the experiment");
     if (r->call)
         experiment.calls = (mcv_sweep_calls){
             .warning = warn, .row = tell_row, .interrupted = interrupted, .user = r};

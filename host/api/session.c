@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Sessions, devices and options of the public interface. */
 #include "api/handles.h"
+#include "core/json.h"
 #include "options/option_table.h"
 #include "scene/sensor_find.h"
 #include "scene/sensors.h"
@@ -70,13 +71,14 @@ static mcv_result read_defaults(const char *options, json_t **defaults, mcv_erro
     for (size_t i = 0; all && i < sizeof of_session / sizeof of_session[0]; ++i) {
         json_t *value = json_object_get(all, of_session[i]);
         known += value != NULL;
-        if (value) json_object_set(*defaults, of_session[i], value);
+        if (value) mcv_json_put(defaults, of_session[i], json_incref(value));
     }
-    const bool others = json_object_size(all) > known;
+    const bool others = json_object_size(all) > known, memory = all && *defaults;
     json_decref(all);
     mcv_options_free(&given);
-    if (*defaults && !others) return MCV_OK;
+    if (memory && !others) return MCV_OK;
     json_decref(*defaults);
+    if (!memory) return mcv_fail(error, MCV_FAILED, "no memory for the options");
     return mcv_fail(error, MCV_USAGE,
                     "options: a session takes device, precision, threads and schedule only");
 }

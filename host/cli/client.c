@@ -30,7 +30,7 @@ mcv_result mcv_client_options(const mcv_command *command, const char *const *wit
             return mcv_fail(error, MCV_USAGE, "%s: is no UTF-8 text", word);
     }
     json_t *options = mcv_command_json(command, without);
-    if (options) mcv_command_flags(command, options);
+    mcv_command_flags(command, &options);
     for (const char *const *name = without; options && *name; ++name)
         json_object_del(options, *name);
     *text = options ? json_dumps(options, JSON_COMPACT | JSON_REAL_PRECISION(17)) : NULL;

@@ -103,6 +103,7 @@ static mcv_result check_options(const mcv_command *command, mcv_error *error) {
                         command->second);
     if (!is_image(command->argument)) return MCV_OK;
     json_t *given = mcv_command_json(command, always);
+    if (!given) return mcv_fail(error, MCV_FAILED, "no memory for the options");
     const char *key = json_object_iter_key(json_object_iter(given));
     if (key)
         result = mcv_fail(error, MCV_USAGE, "--%s is for scenes, but both are images: leave it out",

@@ -148,6 +148,37 @@ json_t *mcv_json_text(const char *text) {
     return string;
 }
 
+void mcv_json_put(json_t **object, const char *key, json_t *value) {
+    if (!*object) {
+        json_decref(value);
+    } else if (json_object_set_new(*object, key, value) != 0) {
+        json_decref(*object);
+        *object = NULL;
+    }
+}
+
+/* The bytes between two quotation marks, at most. */
+static size_t longest_string(const char *text, size_t size) {
+    size_t longest = 0;
+    for (size_t i = 0; i < size; ++i) {
+        if (text[i] != '"') continue;
+        const size_t begin = ++i;
+        for (; i < size && text[i] != '"'; ++i) i += text[i] == '\\';
+        if (i - begin > longest) longest = i - begin;
+    }
+    return longest;
+}
+
+json_t *mcv_json_parse(const char *text, size_t size, size_t flags, json_error_t *wrong) {
+    /* The buffer doubles: the old and the new one, then the string itself. */
+    const size_t needed = 5 * longest_string(text, size) + size;
+    void *probe = malloc(needed);
+    wrong->text[0] = '\0';
+    if (!probe) return NULL;
+    free(probe);
+    return json_loadb(text, size, flags, wrong);
+}
+
 json_t *mcv_json_extension(const json_t *object, const char *name) {
     return json_object_get(json_object_get(object, "extensions"), name);
 }

@@ -39,6 +39,17 @@ mcv_result mcv_json_object(const json_t *object, const char *key, json_t **out,
 /* A JSON string of a text; bytes that are not UTF-8, as paths may have, become U+FFFD. */
 json_t *mcv_json_text(const char *text);
 
+/* Puts a value, which it takes, into *object. Where memory is missing, *object is released and
+ * becomes NULL; one that is NULL stays so, so that only the last of several needs a look. */
+void mcv_json_put(json_t **object, const char *key, json_t *value);
+
+/*
+ * json_loadb, for texts whose strings may be large. jansson's parser reads beyond the buffer of a
+ * string that could not grow: the memory for the longest one is asked for beforehand. NULL with
+ * wrong->text empty: no memory.
+ */
+json_t *mcv_json_parse(const char *text, size_t size, size_t flags, json_error_t *wrong);
+
 /* The object extensions/NAME of an object, or NULL. */
 json_t *mcv_json_extension(const json_t *object, const char *name);
 

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "experiment/sidecar.h"
 
+#include "core/json.h"
 #include "core/output_file.h"
 
 #include <libgen.h>
@@ -19,10 +20,12 @@ static json_t *describe(const mcv_sidecar *s) {
         const size_t length = strlen(folder);
         if (strncmp(file, folder, length) == 0 && file[length] == '/') rig = file + length + 1;
     }
-    json_object_set_new(document, "rig", json_string(rig));
-    json_object_set_new(document, "fingerprint", json_string(s->fingerprint));
-    json_object_update(document, s->settings);
-    return document;
+    mcv_json_put(&document, "rig", json_string(rig));
+    mcv_json_put(&document, "fingerprint", json_string(s->fingerprint));
+    if (!document || !s->settings || json_object_update(document, s->settings) == 0)
+        return document;
+    json_decref(document);
+    return NULL;
 }
 
 mcv_result mcv_sidecar_write(const mcv_sidecar *s, mcv_error *error) {

@@ -249,11 +249,14 @@ mcv_result mcv_table_resume(mcv_table *table, bool *done, mcv_error *error) {
         all = false;
         fseek(out, before, SEEK_SET);
     }
+    /* Rows that could not be read must not be taken for missing ones. */
+    const bool read = feof(file) != 0;
     free(line);
     fclose(file);
     const long end = ftell(out);
+    const bool written = ferror(out) == 0;
     mcv_result result = MCV_OK;
-    if (fclose(out) != 0)
+    if (fclose(out) != 0 || !written || !read)
         result = mcv_fail(error, MCV_FAILED, "%s: no memory for its rows", table->path);
     else if (!all)
         result = replace(table, kept, (size_t)end, error);

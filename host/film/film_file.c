@@ -94,13 +94,14 @@ static char *describe(const mcv_film *film, const mcv_round *round, const json_t
                          "splats", film->splats != NULL, "splat_value",
                          film->splats ? film->splat_value : 0.0, "levels", film->levels != NULL);
     if (round->count)
-        json_object_set_new(sizes, "round",
-                            json_pack("{s:o, s:o, s:o, s:o, s:b}", "first", whole(round->first),
-                                      "count", whole(round->count), "class", whole(round->class),
-                                      "sets", whole(round->sets), "begun", round->sums != NULL));
-    json_object_set_new(document, "film", sizes);
-    json_object_update(document, (json_t *)facts);
-    char *text = json_dumps(document, JSON_COMPACT | JSON_REAL_PRECISION(17));
+        mcv_json_put(&sizes, "round",
+                     json_pack("{s:o, s:o, s:o, s:o, s:b}", "first", whole(round->first), "count",
+                               whole(round->count), "class", whole(round->class), "sets",
+                               whole(round->sets), "begun", round->sums != NULL));
+    mcv_json_put(&document, "film", sizes);
+    char *text = document && json_object_update(document, (json_t *)facts) == 0
+                     ? json_dumps(document, JSON_COMPACT | JSON_REAL_PRECISION(17))
+                     : NULL;
     json_decref(document);
     return text;
 }

@@ -67,7 +67,8 @@ mcv_result mcv_load_json(mcv_loader *loader, mcv_error *error) {
     MCV_TRY(mcv_memory_take(loader->memory, &loader->memory->files,
                             mcv_memory_of_json((const char *)json.data, json.size), &loader->file,
                             error));
-    loader->root = json_loadb((const char *)json.data, json.size, JSON_REJECT_DUPLICATES, &wrong);
+    loader->root =
+        mcv_json_parse((const char *)json.data, json.size, JSON_REJECT_DUPLICATES, &wrong);
     if (!loader->root && !wrong.text[0]) return mcv_fail_memory(&loader->file, error);
     if (!loader->root)
         return mcv_fail_at(&loader->file, error, "line %d column %d is not JSON: %s", wrong.line,

@@ -52,8 +52,8 @@ void mcv_command_free(mcv_command *command);
  */
 json_t *mcv_command_json(const mcv_command *command, const char *const *without);
 
-/* Adds the flags that are set, as true; "json" also where it is not. */
-void mcv_command_flags(const mcv_command *command, json_t *options);
+/* Adds the flags that are set, as true; "json" also where it is not (mcv_json_put). */
+void mcv_command_flags(const mcv_command *command, json_t **options);
 
 /*
  * The command line with its argument replaced and the members of such an object inserted before it

@@ -7,49 +7,72 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* NULL: the value is the default. */
-static json_t *value_json(const mcv_option *o, const mcv_command *command,
-                          const mcv_command *defaults) {
+/* Whether the value differs from the default. */
+static bool is_given(const mcv_option *o, const mcv_command *command, const mcv_command *defaults) {
     const void *field = (const char *)command + o->offset,
                *usual = (const char *)defaults + o->offset;
-    const double *numbers = field;
-    const uint64_t *counts = field;
-    json_t *list;
     switch (o->kind) {
     case MCV_KIND_flag:
-        return NULL;
+        return false;
     case MCV_KIND_text:
         return *(const char *const *)field &&
-                       *(const char *const *)field != *(const char *const *)usual
-                   ? json_string(*(const char *const *)field)
-                   : NULL;
+               *(const char *const *)field != *(const char *const *)usual;
     case MCV_KIND_list:
-        if (((const mcv_list *)field)->count == 0) return NULL;
-        list = json_array();
-        for (size_t i = 0; i < ((const mcv_list *)field)->count; ++i)
-            json_array_append_new(list, json_string(((const mcv_list *)field)->items[i]));
-        return list;
+        return ((const mcv_list *)field)->count > 0;
     case MCV_KIND_number:
     case MCV_KIND_time:
     case MCV_KIND_bytes:
-        return memcmp(field, usual, sizeof(double)) ? json_real(*numbers) : NULL;
+        return memcmp(field, usual, sizeof(double)) != 0;
     case MCV_KIND_channels:
     case MCV_KIND_lengths:
-        return memcmp(field, usual, 3 * sizeof(double))
-                   ? json_sprintf("%.17g,%.17g,%.17g", numbers[0], numbers[1], numbers[2])
-                   : NULL;
+        return memcmp(field, usual, 3 * sizeof(double)) != 0;
     case MCV_KIND_count:
-        return *counts != *(const uint64_t *)usual ? json_integer((json_int_t)*counts) : NULL;
+    case MCV_KIND_choice:
+        return *(const uint64_t *)field != *(const uint64_t *)usual;
     case MCV_KIND_size:
     case MCV_KIND_range:
-        return memcmp(field, usual, 2 * sizeof *counts)
-                   ? json_sprintf("%llu%c%llu", (unsigned long long)counts[0],
-                                  o->kind == MCV_KIND_size ? 'x' : ':',
-                                  (unsigned long long)counts[1])
-                   : NULL;
+        return memcmp(field, usual, 2 * sizeof(uint64_t)) != 0;
+    }
+    return false;
+}
+
+static json_t *list_json(const mcv_list *texts) {
+    json_t *list = json_array();
+    for (size_t i = 0; i < texts->count; ++i)
+        if (json_array_append_new(list, json_string(texts->items[i])) != 0) {
+            json_decref(list);
+            return NULL;
+        }
+    return list;
+}
+
+/* NULL without memory. */
+static json_t *value_json(const mcv_option *o, const mcv_command *command) {
+    const void *field = (const char *)command + o->offset;
+    const double *numbers = field;
+    const uint64_t *counts = field;
+    switch (o->kind) {
+    case MCV_KIND_flag:
+        return json_boolean(*(const bool *)field);
+    case MCV_KIND_text:
+        return json_string(*(const char *const *)field);
+    case MCV_KIND_list:
+        return list_json(field);
+    case MCV_KIND_number:
+    case MCV_KIND_time:
+    case MCV_KIND_bytes:
+        return json_real(*numbers);
+    case MCV_KIND_channels:
+    case MCV_KIND_lengths:
+        return json_sprintf("%.17g,%.17g,%.17g", numbers[0], numbers[1], numbers[2]);
+    case MCV_KIND_count:
+        return json_integer((json_int_t)*counts);
+    case MCV_KIND_size:
+    case MCV_KIND_range:
+        return json_sprintf("%llu%c%llu", (unsigned long long)counts[0],
+                            o->kind == MCV_KIND_size ? 'x' : ':', (unsigned long long)counts[1]);
     case MCV_KIND_choice: {
         const char *word = o->argument;
-        if (*counts == *(const uint64_t *)usual) return NULL;
         for (uint64_t i = 0; i < *counts; ++i) word += strcspn(word, "|") + 1;
         return json_stringn(word, strcspn(word, "|"));
     }
@@ -68,19 +91,18 @@ json_t *mcv_command_json(const mcv_command *command, const char *const *without)
             left_out = left_out || strcmp(*name, o->name) == 0;
         if (left_out) continue;
         if (o->preset) (void)mcv_option_set(o, o->preset, &defaults, &ignored);
-        json_t *value = value_json(o, command, &defaults);
-        if (value) json_object_set_new(object, o->name, value);
+        if (is_given(o, command, &defaults)) mcv_json_put(&object, o->name, value_json(o, command));
     }
     return object;
 }
 
-void mcv_command_flags(const mcv_command *command, json_t *options) {
+void mcv_command_flags(const mcv_command *command, json_t **options) {
     for (size_t i = 0; i < MCV_OPTION_COUNT; ++i) {
         const mcv_option *o = mcv_options + i;
         if (o->kind != MCV_KIND_flag || !(o->verbs >> command->verb & 1)) continue;
         const bool set = *(const bool *)((const char *)command + o->offset);
         if (set || strcmp(o->name, "json") == 0)
-            json_object_set_new(options, o->name, json_boolean(set));
+            mcv_json_put(options, o->name, value_json(o, command));
     }
 }
 

@@ -179,10 +179,12 @@ mcv_result mcv_strict_check_document(const char *path, const json_t *root, mcv_b
 
 static void check_json(mcv_strict *s, mcv_bytes json) {
     json_error_t wrong;
-    json_t *root = json_loadb((const char *)json.data, json.size,
-                              JSON_REJECT_DUPLICATES | JSON_ALLOW_NUL, &wrong);
+    json_t *root = mcv_json_parse((const char *)json.data, json.size,
+                                  JSON_REJECT_DUPLICATES | JSON_ALLOW_NUL, &wrong);
     if (root)
         check_root(s, root);
+    else if (!wrong.text[0])
+        s->no_memory = true;
     else
         mcv_strict_find(s, "INVALID_JSON", &s->file, "line %d column %d is not JSON: %s",
                         wrong.line, wrong.column, mcv_json_wrong(&wrong));

@@ -42,13 +42,15 @@ json_t *mcv_checkpoint_identity(const mcv_command *command, const mcv_scene *sce
     mcv_sensor_film_size(scene->sensors + sensor, &width, &height);
     mcv_sensor_label(scene, sensor, label, sizeof label);
     snprintf(hash, sizeof hash, "%016" PRIx64, scene->fingerprint);
+    bool whole = items != NULL;
     for (size_t i = 0; i < set.count; ++i)
-        json_array_append_new(items, mcv_json_text(set.items[i]));
-    json_object_set_new(identity, "scene", json_string(hash));
-    json_object_set_new(identity, "set", items);
-    json_object_set_new(identity, "sensor", mcv_json_text(label));
-    json_object_set_new(identity, "resolution", json_sprintf("%ux%u", width, height));
-    json_object_set_new(identity, "precision", json_string(precisions[precision]));
+        whole = json_array_append_new(items, mcv_json_text(set.items[i])) == 0 && whole;
+    mcv_json_put(&identity, "scene", json_string(hash));
+    mcv_json_put(&identity, "set", whole ? json_incref(items) : NULL);
+    mcv_json_put(&identity, "sensor", mcv_json_text(label));
+    mcv_json_put(&identity, "resolution", json_sprintf("%ux%u", width, height));
+    mcv_json_put(&identity, "precision", json_string(precisions[precision]));
+    json_decref(items);
     return identity;
 }
 
@@ -131,11 +133,10 @@ mcv_result mcv_checkpoint_same(const char *path, const json_t *facts, const char
 
 static json_t *stats_json(const mcv_render_stats *stats) {
     json_t *object = json_object();
-#define MCV_X(key, member) \
-    json_object_set_new(object, key, json_integer((json_int_t)stats->member));
+#define MCV_X(key, member) mcv_json_put(&object, key, json_integer((json_int_t)stats->member));
     COUNTS(MCV_X)
 #undef MCV_X
-#define MCV_X(key, member) json_object_set_new(object, key, json_real(stats->member));
+#define MCV_X(key, member) mcv_json_put(&object, key, json_real(stats->member));
     NUMBERS(MCV_X)
 #undef MCV_X
     return object;
@@ -168,8 +169,8 @@ mcv_result mcv_checkpoint_write(const char *path, const json_t *identity, const 
     json_t *facts = mcv_checkpoint_facts(identity, u->stats),
            *state = json_pack("{s:i, s:b, s:f}", "thinning", (int)u->thinning, "decided",
                               (int)u->decided, "seconds", u->seconds);
-    json_object_set_new(facts, "state", state);
-    if (!facts || !state) return mcv_fail(error, MCV_FAILED, "%s: no memory for its text", path);
+    mcv_json_put(&facts, "state", state);
+    if (!facts) return mcv_fail(error, MCV_FAILED, "%s: no memory for its text", path);
     const mcv_result result = mcv_film_file_write(path, u->film, u->round, facts, error);
     json_decref(facts);
     return result;

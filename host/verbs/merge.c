@@ -33,11 +33,12 @@ mcv_result mcv_part_write(const char *path, json_t *identity, const mcv_rendered
     MCV_TRY(mcv_rendered_develop(rendered, &exr, error));
     json_t *facts = mcv_checkpoint_facts(identity, rendered->stats);
     json_object_del(json_object_get(facts, "identity"), "samples");
-    json_object_set_new(
-        facts, "range",
+    mcv_json_put(
+        &facts, "range",
         json_pack("[I, I]", (json_int_t)first, (json_int_t)first + (json_int_t)film->samples));
-    json_object_set_new(facts, "attributes", known_attributes(&exr));
+    mcv_json_put(&facts, "attributes", known_attributes(&exr));
     mcv_exr_free(&exr);
+    if (!facts) return mcv_fail(error, MCV_FAILED, "%s: no memory for its text", path);
     const mcv_result result = mcv_film_file_write(path, film, &none, facts, error);
     json_decref(facts);
     return result;

@@ -77,7 +77,7 @@ json_t *mcv_sweep_settings(const mcv_command *command) {
     static const char *const without[] = {"output",  "images",   "resume", "force", "device",
                                           "threads", "schedule", "memory", "json",  NULL};
     json_t *settings = mcv_command_json(command, without);
-    if (settings && command->noise_free) json_object_set_new(settings, "noise-free", json_true());
+    if (command->noise_free) mcv_json_put(&settings, "noise-free", json_true());
     return settings;
 }
 

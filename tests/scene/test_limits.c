@@ -230,9 +230,57 @@ static void test_json(void **state) {
     free(path);
 }
 
+/* Loads in a child that may take `left` bytes of addresses more; its result, 100 after a crash. */
+static int load_with_addresses(const char *path, size_t left) {
+    const pid_t child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        char line[128] = "";
+        mcv_scene *scene;
+        mcv_error error;
+        FILE *file = fopen("/proc/self/statm", "r");
+        if (!file || !fgets(line, sizeof line, file)) _exit(101);
+        fclose(file);
+        const rlim_t pages = strtoul(line, NULL, 10);
+        const rlim_t most = pages * (rlim_t)sysconf(_SC_PAGESIZE) + left;
+        const struct rlimit limit = {most, most};
+        if (setrlimit(RLIMIT_AS, &limit) != 0) _exit(102);
+        const mcv_result result = load_within(path, 0, &scene, &error);
+        _exit(result == MCV_OK || strstr(error.text, "no memory") ? (int)result : 103);
+    }
+    int status;
+    assert_int_equal(waitpid(child, &status, 0), child);
+    return WIFEXITED(status) ? WEXITSTATUS(status) : 100;
+}
+
+/* Where addresses are short, jansson's parser would read beyond a string that has no room. */
+static void test_long_string(void **state) {
+    (void)state;
+#ifdef __SANITIZE_ADDRESS__
+    skip(); /* it takes addresses of its own */
+#endif
+    enum { LENGTH = 1 << 21, STEP = LENGTH / 4 };
+    char *text = malloc(LENGTH + 200);
+    assert_non_null(text);
+    const int size = sprintf(text, HEAD "\"extras\":\"%0*d\"}", LENGTH, 0);
+    char *path = write_bytes("limits_string.gltf", text, (size_t)size);
+    int loaded = 0, refused = 0;
+    for (size_t left = STEP; left <= 10 * LENGTH; left += STEP) {
+        const int code = load_with_addresses(path, left);
+        if (code != MCV_OK && code != MCV_FAILED)
+            fail_msg("with %zu kB more the load ends with %d", left / 1000, code);
+        loaded += code == MCV_OK;
+        refused += code == MCV_FAILED;
+    }
+    assert_true(refused > 0 && loaded > 0);
+    free(text);
+    free(path);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_sparse_buffer), cmocka_unit_test(test_images_of_one_file),
-        cmocka_unit_test(test_geometry), cmocka_unit_test(test_json)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_sparse_buffer),
+                                       cmocka_unit_test(test_images_of_one_file),
+                                       cmocka_unit_test(test_geometry), cmocka_unit_test(test_json),
+                                       cmocka_unit_test(test_long_string)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
