@@ -1,11 +1,12 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* mcvisi transport and mcvisi relight: light transport matrices, and images made from them. */
+/* mcvisi transport, relight and deflection: light transport matrices, and what is made of them. */
 #include "cli/client.h"
 #include "cli/interrupt.h"
 #include "cli/progress.h"
 #include "cli/verbs.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 /* What is shown while it renders. */
 typedef struct shown {
@@ -72,6 +73,45 @@ mcv_result mcv_verb_relight(const mcv_command *command, mcv_error *error) {
         result = light_sequence(transport, options, &report, error);
     else if (result == MCV_OK)
         result = mcv_transport_relight(transport, NULL, 0, options, &picture, &report, error);
+    if (result == MCV_OK) result = mcv_client_print(report, command->json, error);
+    mcv_picture_free(picture);
+    mcv_transport_free(transport);
+    free(options);
+    return result;
+}
+
+/* The matrix of a file, or of a scene, which is rendered. */
+static mcv_result open_matrix(const mcv_command *command, const char *const *own,
+                              mcv_transport **transport, mcv_error *error) {
+    const size_t length = strlen(command->argument);
+    mcv_client client = {0};
+    shown s = {.open = false};
+    char *options = NULL;
+    if (length > 4 && strcmp(command->argument + length - 4, ".npz") == 0)
+        return mcv_transport_read(command->argument, transport, error);
+    mcv_result result = mcv_client_options(command, own, &options, error);
+    if (result == MCV_OK) result = mcv_client_open(command, command->argument, &client, error);
+    if (result == MCV_OK)
+        result = mcv_session_transport(client.session, client.rig, options, on_progress, &s,
+                                       transport, NULL, error);
+    if (s.open) mcv_progress_end(&s.line);
+    mcv_client_close(&client);
+    free(options);
+    return result == MCV_INTERRUPTED ? mcv_interrupt_result() : result;
+}
+
+mcv_result mcv_verb_deflection(const mcv_command *command, mcv_error *error) {
+    static const char *const own[] = {"output", "png", "histogram", "reference", "scale-end", NULL};
+    mcv_transport *transport = NULL;
+    mcv_picture *picture = NULL;
+    char *options = NULL, *report = NULL;
+    if (!command->deflected && !command->deflected_png && !command->directions)
+        return mcv_fail(error, MCV_USAGE,
+                        "--output is missing: give F.exr for the values, or --png F.png");
+    mcv_result result = mcv_client_options(command, NULL, &options, error);
+    if (result == MCV_OK) result = open_matrix(command, own, &transport, error);
+    if (result == MCV_OK)
+        result = mcv_transport_deflection(transport, NULL, options, &picture, NULL, &report, error);
     if (result == MCV_OK) result = mcv_client_print(report, command->json, error);
     mcv_picture_free(picture);
     mcv_transport_free(transport);

@@ -36,6 +36,14 @@ enum { MCV_COLOR_BAR_WIDTH = 120 };
 void mcv_page_color_bar(cairo_t *page, int x, int y, int height, const char *label,
                         const mcv_color_scale *scale);
 
+/*
+ * Vectors of an image's first two channels (x right, y down) under a title: hue is the direction,
+ * and colours grow from white to the hue at the length `high`. A wheel beside the image explains
+ * both. NaN is grey.
+ */
+mcv_result mcv_vector_figure_write(const char *path, const mcv_image *image, const char *title,
+                                   const char *label, double high, mcv_error *error);
+
 /* The image under a title, beside its colour bar; enlarged to some 640 pixels. */
 mcv_result mcv_figure_write(const char *path, const mcv_image *image, const char *title,
                             const char *label, const mcv_color_scale *scale, mcv_error *error);

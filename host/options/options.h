@@ -6,6 +6,7 @@
 
 #include "options/options_camera.h"
 #include "options/options_defect.h"
+#include "options/options_deflection.h"
 #include "options/options_detect.h"
 #include "options/options_experiment.h"
 #include "options/options_lightfield.h"
@@ -66,6 +67,9 @@
     X(relight, RELIGHT, "relight", "MATRIX.npz", \
       "make the image of other lamps or another pattern from a light transport matrix, with its " \
       "standard error, without tracing rays") \
+    X(deflection, DEFLECTION, "deflection", "MATRIX.npz|SCENE", \
+      "show how a transparent part turns light aside: at each place the histogram of its " \
+      "directions, their mean and covariance, and the light that is lost") \
     X(explain, EXPLAIN, "explain", "SCENE", \
       "list the paths that make a pixel: which surfaces they meet, which emitter they come from, " \
       "and their shares of its light") \
@@ -97,7 +101,8 @@ enum {
     /* Verbs that render many sets. */
     MCV_IN_EXPERIMENTS = MCV_IN_SWEEP | MCV_IN_UNCERTAINTY | MCV_IN_OPTIMIZE,
     MCV_IN_RENDERS = MCV_IN_RENDER | MCV_IN_EXPERIMENTS, /* verbs that render scenes */
-    MCV_IN_PATHS = MCV_IN_RENDERS | MCV_IN_COMPARE | MCV_IN_TRANSPORT, /* that trace paths */
+    /* That trace paths. */
+    MCV_IN_PATHS = MCV_IN_RENDERS | MCV_IN_COMPARE | MCV_IN_TRANSPORT | MCV_IN_DEFLECTION,
     MCV_IN_FIGURES = MCV_IN_MEASURE | MCV_IN_EXPERIMENTS,
     MCV_IN_GREY = MCV_IN_RENDERS | MCV_IN_CAMERA,
     MCV_IN_EXPOSES = MCV_IN_GREY | MCV_IN_DETECT,
@@ -193,7 +198,8 @@ enum {
     X(range, samples, "samples", 0, "A:B", MCV_IN_RENDER, NULL, 0, 1ull << 31, \
       "render only samples A to B - 1 of each replicate; B - A is a power of two and A a " \
       "multiple of it") \
-    X(count, replicates, "replicates", 0, "R", MCV_IN_RENDERS | MCV_IN_TRANSPORT, "4", 1, 64, \
+    X(count, replicates, "replicates", 0, "R", \
+      MCV_IN_RENDERS | MCV_IN_TRANSPORT | MCV_IN_DEFLECTION, "4", 1, 64, \
       "number of independent scrambles of the sample points; their spread gives the standard " \
       "error") \
     X(count, repeats, "replicates", 0, "R", MCV_IN_COMPARE, "16", 2, 64, \
@@ -217,7 +223,8 @@ enum {
       "commands trace as many as `on` does; on: as many as the scene's geometry suggests; off: " \
       "none, then caustics of lights without extent are missing") \
     X(count, seed, "seed", 0, "S", \
-      MCV_IN_GREY | MCV_IN_COMPARE | MCV_IN_TRANSPORT | MCV_IN_EXPLAIN, "0", 0, UINT32_MAX, \
+      MCV_IN_GREY | MCV_IN_COMPARE | MCV_IN_TRANSPORT | MCV_IN_DEFLECTION | MCV_IN_EXPLAIN, "0", \
+      0, UINT32_MAX, \
       "seed of the noise; the same seed gives the same bits; with one seed, all images of a " \
       "sequence have the same noise") \
     X(count, depth, "depth", 0, "N", MCV_IN_EXPLAIN | MCV_IN_PATHS | MCV_IN_TRACE, "32", 1, \
@@ -311,6 +318,7 @@ enum {
     MCV_EXEC_OPTIONS(X) \
     MCV_POD_OPTIONS(X) \
     MCV_TRANSPORT_OPTIONS(X) \
+    MCV_DEFLECTION_OPTIONS(X) \
     MCV_DEFECT_OPTIONS(X) \
     MCV_DETECT_OPTIONS(X) \
     X(list, set, "set", 0, "PATH=VALUE", MCV_IN_SCENES | MCV_IN_RELIGHT, NULL, 0, 0, \
@@ -330,7 +338,7 @@ enum {
       MCV_IN_RENDERS | MCV_IN_MERGE | MCV_IN_NEW | MCV_IN_CHECK | MCV_IN_COMPARE | MCV_IN_CAMERA | \
           MCV_IN_CAMERA_MODEL | MCV_IN_MEASURE | MCV_IN_POD | MCV_IN_LIGHTFIELD | MCV_IN_IMPORT | \
           MCV_IN_DEVICES | MCV_IN_HELP | MCV_IN_DEFECT | MCV_IN_DETECT | MCV_IN_TRANSPORT | \
-          MCV_IN_RELIGHT | MCV_IN_EXPLAIN, \
+          MCV_IN_RELIGHT | MCV_IN_DEFLECTION | MCV_IN_EXPLAIN, \
       NULL, 0, 0, \
       "print JSON in SI units; render prints one object per sensor, each on one line; help " \
       "prints a schema of the options")

@@ -28,6 +28,8 @@ typedef struct mcv_element_group {
     uint32_t width, height; /* of the image whose pixels are elements; 1 x 1: it is one element */
     double radiance[3];     /* (irradiance, intensity) that a pattern of 1 stands for, by channel */
     double to_world[12];    /* rows of rotation and scale, then the position: of its node */
+    uint32_t angular[2];    /* of a light field emitter: directions J, K of a macro pixel; else 0 */
+    double angular_range;   /* and the sine of the largest angle */
 } mcv_element_group;
 
 typedef struct mcv_matrix {

@@ -28,11 +28,17 @@ json_t *mcv_matrix_header(const mcv_matrix *m) {
     json_t *elements = json_array();
     for (uint32_t i = 0; i < m->group_count; ++i) {
         const mcv_element_group *g = m->groups + i;
-        json_array_append_new(
-            elements, json_pack("{s:s, s:s, s:I, s:I, s:I, s:o, s:o}", "emitter", g->emitter,
-                                "type", g->type, "first", (json_int_t)g->first, "width",
-                                (json_int_t)g->width, "height", (json_int_t)g->height, "radiance",
-                                numbers(g->radiance, 3), "to_world", numbers(g->to_world, 12)));
+        json_t *element = json_pack(
+            "{s:s, s:s, s:I, s:I, s:I, s:o, s:o}", "emitter", g->emitter, "type", g->type, "first",
+            (json_int_t)g->first, "width", (json_int_t)g->width, "height", (json_int_t)g->height,
+            "radiance", numbers(g->radiance, 3), "to_world", numbers(g->to_world, 12));
+        if (g->angular[0] > 0) {
+            json_object_set_new(
+                element, "angularResolution",
+                json_pack("[I, I]", (json_int_t)g->angular[0], (json_int_t)g->angular[1]));
+            json_object_set_new(element, "angularRange", json_real(g->angular_range));
+        }
+        json_array_append_new(elements, element);
     }
     return json_pack("{s:s, s:i, s:I, s:I, s:I, s:I, s:I, s:f, s:b, s:o, s:O}", "format", FORMAT,
                      "version", HEADER_VERSION, "width", (json_int_t)m->width, "height",
@@ -131,6 +137,19 @@ static mcv_result read_uint(const json_t *from, const char *key, uint64_t min, u
     return MCV_OK;
 }
 
+/* The directions of a light field emitter, which divide the pixels of its image. */
+static mcv_result read_directions(const json_t *from, mcv_element_group *g,
+                                  const mcv_json_path *place, mcv_error *error) {
+    double angular[2] = {0};
+    MCV_TRY(mcv_json_numbers(from, "angularResolution", 2, 1, MOST_SIDE, angular, place, error));
+    MCV_TRY(mcv_json_number(from, "angularRange", 0, 1, &g->angular_range, place, error));
+    for (int i = 0; i < 2; ++i) g->angular[i] = (uint32_t)angular[i];
+    if (angular[0] > 0 && g->width > 1 &&
+        (g->width % g->angular[0] > 0 || g->height % g->angular[1] > 0))
+        return mcv_fail_at(place, error, "angularResolution does not divide its pixels");
+    return MCV_OK;
+}
+
 static mcv_result read_group(const json_t *from, mcv_matrix *m, const mcv_json_path *place,
                              mcv_error *error) {
     mcv_element_group *g = m->groups + m->group_count++;
@@ -143,6 +162,7 @@ static mcv_result read_group(const json_t *from, mcv_matrix *m, const mcv_json_p
     MCV_TRY(read_uint(from, "height", 1, MOST_SIDE, &g->height, place, error));
     MCV_TRY(mcv_json_numbers(from, "radiance", 3, 0, INFINITY, g->radiance, place, error));
     MCV_TRY(mcv_json_numbers(from, "to_world", 12, -INFINITY, INFINITY, g->to_world, place, error));
+    MCV_TRY(read_directions(from, g, place, error));
     g->emitter = strdup(emitter ? emitter : "");
     g->type = strdup(type ? type : "");
     if (!g->emitter || !g->type) return mcv_fail_memory(place, error);

@@ -64,6 +64,11 @@ static mcv_result describe(const mcv_scene *scene, uint32_t index, uint32_t firs
     }
     memcpy(group->radiance, e->radiance, sizeof group->radiance);
     memcpy(group->to_world, place->m, sizeof group->to_world);
+    if (e->type == MCV_EMITTER_LIGHT_FIELD_EMITTER) {
+        const mcv_light_field_emitter_params *p = &e->as.light_field_emitter;
+        memcpy(group->angular, p->angularResolution, sizeof group->angular);
+        group->angular_range = p->angularRange;
+    }
     return group->emitter && group->type
                ? MCV_OK
                : mcv_fail(error, MCV_FAILED, "%s: no memory for its elements", scene->path);

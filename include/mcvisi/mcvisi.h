@@ -556,6 +556,18 @@ MCV_API mcv_result mcv_transport_sequence(const mcv_transport *transport, const 
                                           mcv_picture **pictures, size_t room, size_t *count,
                                           char **report, mcv_error *error);
 
+/*
+ * How a part turns light aside, by options of `mcvisi deflection`: a matrix with the directions of
+ * a light field emitter or a light field camera. `reference`: of the same set-up without the part,
+ * or NULL. *picture has the parts "image" (deflection, x and y), "error", "covariance", "covariance
+ * error", "transmitted", "transmitted error" and "lost". *histogram, or NULL: the shares of the
+ * directions at each place, as of a light field camera. *report may be NULL.
+ */
+MCV_API mcv_result mcv_transport_deflection(const mcv_transport *transport,
+                                            const mcv_transport *reference, const char *options,
+                                            mcv_picture **picture, mcv_picture **histogram,
+                                            char **report, mcv_error *error);
+
 MCV_API void mcv_transport_free(mcv_transport *transport);
 
 #ifdef __cplusplus

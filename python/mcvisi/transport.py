@@ -165,6 +165,30 @@ class Transport(Handle):
         call("mcv_transport_relight", self._get(), ffi.NULL, 0, options, picture, report)
         return Image._of(picture[0], json.loads(take_text(report) or "{}"))
 
+    def deflection(self, reference: "Transport | None" = None) -> "tuple[Image, Image]":
+        """
+        How a part turns light aside: the deflection (rows, columns, x and y) with its error, and
+        the histograms of directions, as an image of a light field camera.
+
+        It needs the directions of a light field emitter or camera. reference: the same set-up
+        without the part.
+        """
+        picture, histogram = ffi.new("mcv_picture **"), ffi.new("mcv_picture **")
+        report = ffi.new("char **")
+        call(
+            "mcv_transport_deflection",
+            self._get(),
+            ffi.NULL if reference is None else reference._get(),
+            options_json({"json": True}),
+            picture,
+            histogram,
+            report,
+        )
+        return (
+            Image._of(picture[0], json.loads(take_text(report) or "{}")),
+            Image._of(histogram[0], {}),
+        )
+
     def _values(self, pattern: Any) -> "numpy.ndarray[Any, Any]":
         import numpy
 

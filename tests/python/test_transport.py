@@ -118,3 +118,22 @@ def test_fit_is_nnls():
     # The descent ends at the root of the rounding; replicates are floats.
     assert np.allclose(ours, best, atol=1e-5 * best.max())
     assert image.report["figures"]["regions"][0]["uniformity"]["value"] > 0
+
+
+def test_deflection(transport):
+    scene = os.path.join(os.path.dirname(SCENE), "report-clean.glb")
+    rig = mv.load(scene)
+    rig["sensors/camera/regionOfInterest"] = [60, 55, 40, 10]
+    made = rig.transport(spp=16, progress=False)
+    image, histogram = made.deflection()
+    assert image.shape == (10, 40, 2) and histogram.shape == (90, 360)
+    shares = np.asarray(histogram).reshape(10, 9, 40, 9).sum(axis=(1, 3))
+    assert np.allclose(shares, 1, atol=1e-5)
+    # -h/f of the lens, in macro pixels of 180 um; bins are 2.2 mm of the lens at 300 mm.
+    height = (np.arange(40) + 0.5 - 20) * 180e-6
+    slope = np.polyfit(height, np.asarray(image)[:, :, 0].mean(axis=0), 1)[0]
+    assert abs(slope + 1 / 0.3) < 0.05 / 0.3
+    same, _ = made.deflection(made)
+    assert np.array_equal(np.asarray(same), np.zeros((10, 40, 2)))
+    with pytest.raises(mv.Error, match="the matrix has no directions"):
+        transport.deflection()
