@@ -6,8 +6,8 @@
 
 Inputs that reach new code are kept in BUILD/corpus/NAME for the next run. An input that crashes a
 target, takes more than 10 s or more than 1 GB is left in BUILD/found; the exit code is then 1.
-Seeds are the shipped scenes, the files of Khronos' validator in tests/strict, pictures of docs/, and
-the files in ../shared/data where they are.
+Seeds are the shipped scenes and experiments, the files of Khronos' validator in tests/strict, pictures
+of docs/, the files in ../shared/data where they are, and small files of ours (seeds.py).
 """
 
 import os
@@ -17,21 +17,11 @@ import subprocess
 import sys
 import tempfile
 
+import seeds as own
+
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 LARGEST = 65536
-TARGETS = ("scene", "set", "stl", "exr", "values", "text")
-SETS = ("sensors/camera/fNumber=8", "nodes/0/translation=[0,0,1]", "emitters/0/radiance=2",
-        "materials/0/reflectance=[0.1,0.2,0.3]", "nodes/0/scale=1e300", "sensors/0/resolution=4x4")
-STL = (b"solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\nvertex 0 1 0\n"
-       b"endloop\nendfacet\nendsolid a\n",
-       b"\0" * 80 + b"\1\0\0\0" + b"\0" * 48 + b"\0\0")
-TEXTS = (b"\0x,y,z,dx,dy,dz\n0,0,1,0,0,-1\n",
-         b"\1MODE SEQ\nUNIT MM\nWAVM 1 0.55 1\nSURF 0\n  CURV 0\n  DISZ INFINITY\nSURF 1\n  STOP\n"
-         b"  CURV 0.02\n  DISZ 5\n  GLAS N-BK7\n  DIAM 10\nSURF 2\n  CURV -0.02\n  DISZ 95\nSURF 3\n",
-         b"\2LEN NEW\nDIM M\nWL 550\nSO 0 1e10\nS 50 5 BK7\nSTO\nS -50 95\nSI 0 0\nGO\n",
-         b"\3%YAML:1.0\nimage_width: 640\nimage_height: 480\ncamera_matrix: !!opencv-matrix\n"
-         b"   rows: 3\n   cols: 3\n   dt: d\n   data: [500,0,320,0,500,240,0,0,1]\n",
-         b"\4ParGroup: Cam\n   Camera_type: area_scan_division\n", b'\5{"spp": 4, "set": ["a=1"]}')
+TARGETS = ("scene", "set", "stl", "exr", "values", "text", "film", "matrix", "experiment", "table")
 
 
 def files(*patterns):
@@ -52,8 +42,12 @@ def seeds(name):
         return [b"\0" + picture for picture in files("docs/**/*.png")]
     if name == "text":
         lenses = [b"\1" + lens for s in shared for lens in files(s + "lens-prescriptions/*.zmx")]
-        return [*TEXTS, *lenses, *(b"\5" + e for e in files("scenes/*.json"))]
-    return STL if name == "stl" else [text.encode() for text in SETS]
+        return [*own.TEXTS, *lenses, *(b"\5" + e for e in files("scenes/*.json"))]
+    if name == "experiment":
+        return [*own.EXPERIMENTS, *own.experiments(ROOT)]
+    if name == "film":
+        return own.films(ROOT)
+    return {"stl": own.STL, "set": own.SETS, "table": own.TABLES, "matrix": own.matrices()}[name]
 
 
 def run(build, name, seconds):
