@@ -2,6 +2,7 @@
 #include "analysis/read_out.h"
 
 #include "analysis/blur.h"
+#include "analysis/read_speckle.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -27,6 +28,12 @@ mcv_result mcv_camera_check_settings(const mcv_camera_settings *settings, mcv_er
             settings->expose_to > 0 ? "--expose-to" : "--electrons-per-unit");
     if (settings->dark_current > 0 && settings->exposure_time == 0)
         return mcv_fail(error, MCV_USAGE, "--dark-current needs a time: give --exposure-time");
+    if (settings->speckle && !(settings->speckle_patterns >= 1))
+        return mcv_fail(error, MCV_USAGE, "--speckle-patterns %g: must be at least 1",
+                        settings->speckle_patterns);
+    if (settings->speckle && !(settings->speckle_polarization >= 0))
+        return mcv_fail(error, MCV_USAGE, "--speckle-polarization %g: must be 0 to 1",
+                        settings->speckle_polarization);
     const mcv_camera *camera = &settings->camera;
     if (camera->black_level >> camera->bits)
         return mcv_fail(error, MCV_USAGE,
@@ -56,8 +63,7 @@ static mcv_result check_quantity(const mcv_camera_settings *settings, const char
     return MCV_OK;
 }
 
-/* Width and height of a pixel of the image [m]: of binned ones, all together. */
-static bool pixel_size(const mcv_exr *exr, double size[2]) {
+bool mcv_camera_pixel_size(const mcv_exr *exr, double size[2]) {
     const double *one = mcv_exr_numbers(exr, "mcvisi:pixelSize", 2),
                  *binning = mcv_exr_numbers(exr, "mcvisi:binning", 2);
     for (int i = 0; one && i < 2; ++i) size[i] = one[i] * (binning ? binning[i] : 1);
@@ -73,7 +79,7 @@ static mcv_result scale_light(const mcv_camera_settings *settings, const char *p
         return MCV_OK;
     }
     if (settings->expose_to == 0) {
-        if (!pixel_size(exr, size))
+        if (!mcv_camera_pixel_size(exr, size))
             return mcv_fail(error, MCV_BAD_INPUT,
                             "%s: mcvisi:pixelSize [m] is missing in its header: render the image "
                             "again, or give --electrons-per-unit",
@@ -112,7 +118,7 @@ mcv_result mcv_camera_blur(const mcv_camera_settings *settings, const char *path
     if (strcmp(settings->lens_mtf, "none") == 0 ||
         mcv_exr_attribute(exr, "mcvisi:angularResolution"))
         return MCV_OK;
-    if (!pixel_size(exr, size)) {
+    if (!mcv_camera_pixel_size(exr, size)) {
         if (!table) return MCV_OK;
         return mcv_fail(
             error, MCV_BAD_INPUT,
@@ -160,6 +166,7 @@ mcv_result mcv_camera_read_out(const mcv_camera_settings *settings, const char *
     if (result != MCV_OK) return mcv_fail(error, result, "%s: %s", path, detail.text);
     MCV_TRY(scale_light(settings, path, exr, out, error));
     MCV_TRY(mcv_camera_blur(settings, path, exr, out->lens, &out->correlation, error));
+    MCV_TRY(mcv_camera_add_speckle(settings, path, exr, &out->speckle, error));
     result = mcv_camera_expose(&out->camera, light, mcv_exr_error(exr), &out->exposure, &detail);
     return result == MCV_OK ? MCV_OK : mcv_fail(error, result, "%s: %s", path, detail.text);
 }

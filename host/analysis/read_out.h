@@ -18,6 +18,12 @@ typedef struct mcv_camera_settings {
     double expose_to;             /* what share of the full well bright parts shall have */
     double dark_current;          /* mu_I [e-/s] */
     const char *lens_mtf;         /* "diffraction", "none" or the path of a table */
+    const char
+        *speckle; /* the path of a picture of laser light (analysis/read_speckle.h), or NULL */
+    double speckle_polarization; /* degree of polarisation of the scattered light */
+    double speckle_patterns;     /* independent patterns, apart from those of a spectrum */
+    double speckle_roughness;    /* standard deviation of the surface's height [m] */
+    uint32_t speckle_seed;
     /* The rest; electrons_per_unit and dark_electrons follow from the above. gain 0: the full well
      * is the largest grey value. */
     mcv_camera camera;
@@ -36,6 +42,7 @@ typedef struct mcv_read_out {
     mcv_correlation correlation; /* of the light's errors, which the lens blurs as well */
     const char *unit;            /* of the light */
     char lens[128];              /* what blurs, in words; "" for nothing */
+    double speckle;              /* contrast of the speckle before pixels average it; 0: none */
     double level; /* the uncertainty of the level that expose_to takes, relative to it; NaN where
                      none is known */
 } mcv_read_out;
@@ -47,6 +54,10 @@ typedef struct mcv_read_out {
  */
 mcv_result mcv_camera_read_out(const mcv_camera_settings *settings, const char *path, mcv_exr *exr,
                                mcv_read_out *out, mcv_error *error);
+
+/* Width and height of a pixel of the image by its header [m]: of binned ones, all together. False
+ * where the header does not say. */
+bool mcv_camera_pixel_size(const mcv_exr *exr, double size[2]);
 
 /*
  * What the lens does to the first part before: blurs it, and the part of its errors where there is

@@ -3,6 +3,7 @@
 #include "api/handles.h"
 #include "core/json.h"
 #include "options/option_table.h"
+#include "verbs/render_files.h"
 #include "scene/sensor_find.h"
 #include "scene/sensors.h"
 #include "verbs/devices.h"
@@ -163,7 +164,5 @@ mcv_result mcv_session_sensor(mcv_scene *scene, const mcv_command *command, uint
     if (!command->sensor && scene->sensor_count > 1)
         return mcv_fail(error, MCV_USAGE, "%s: has %u sensors: choose one by --sensor", scene->path,
                         scene->sensor_count);
-    if (!command->resolution[0]) return MCV_OK;
-    return mcv_sensor_resize(scene->sensors + *sensor, command->resolution[0],
-                             command->resolution[1], scene, error);
+    return mcv_render_resize(command, scene, *sensor, error);
 }

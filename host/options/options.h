@@ -133,6 +133,9 @@ enum {
     X(text, exr, "output", 'o', "F.exr", MCV_IN_RENDER, NULL, 0, 0, \
       "the OpenEXR image; its second part is the standard error; by default it is named after " \
       "the scene, and the sensor if there are several") \
+    X(count, lasers, "lasers", 0, "Q", MCV_IN_RENDER, NULL, 1, 64, \
+      "the light of the scene's lasers alone, with Q x Q sub-pixels for each pixel: what " \
+      "`camera --speckle` needs") \
     X(text, png, "png", 0, "F.png", MCV_IN_RENDER | MCV_IN_MERGE, NULL, 0, 0, \
       "the preview; by default the name of the OpenEXR image with .png") \
     X(choice, parts, "parts", 0, "error|replicates", MCV_IN_RENDER | MCV_IN_MERGE, "error", 0, 0, \

@@ -91,6 +91,34 @@ mcv_result mcv_laser_check(const mcv_laser_params *p, const mcv_json_path *place
     return MCV_OK;
 }
 
+bool mcv_scene_is_laser_lit(const mcv_scene *scene, double *wavelength, double *linewidth) {
+    *wavelength = *linewidth = 0;
+    for (uint32_t i = 0; i < scene->emitter_count; ++i) {
+        const mcv_emitter *e = scene->emitters + i;
+        const mcv_laser_params *p = &e->as.laser;
+        if (!(e->radiance[0] + e->radiance[1] + e->radiance[2] > 0)) continue;
+        if (e->type != MCV_EMITTER_LASER || (*wavelength > 0 && p->wavelength != *wavelength))
+            return false;
+        *wavelength = p->wavelength;
+        *linewidth = fmax(*linewidth, p->linewidth);
+    }
+    return *wavelength > 0;
+}
+
+mcv_result mcv_scene_keep_lasers(mcv_scene *scene, mcv_error *error) {
+    double power = 0;
+    for (uint32_t i = 0; i < scene->emitter_count; ++i) {
+        mcv_emitter *e = scene->emitters + i;
+        for (int k = 0; k < 3; ++k) {
+            if (e->type != MCV_EMITTER_LASER) e->radiance[k] = 0;
+            power += e->radiance[k];
+        }
+    }
+    if (power > 0) return MCV_OK;
+    return mcv_fail(error, MCV_BAD_INPUT,
+                    "%s: has no laser with power, whose light alone makes speckle", scene->path);
+}
+
 double mcv_laser_tangent(const mcv_laser_params *p) {
     const mcv_laser_beam beam = mcv_laser_beam_of(p);
     /* Beyond 2.5 Θ, five standard deviations, lies exp(-25/2) of a round beam. */

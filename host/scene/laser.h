@@ -21,6 +21,13 @@ mcv_laser_beam mcv_laser_beam_of(const mcv_laser_params *p);
  * a table without image; lines that lie on one another; a beam too narrow for its wavelength. */
 mcv_result mcv_laser_check(const mcv_laser_params *p, const mcv_json_path *place, mcv_error *error);
 
+/* Do lasers of one wavelength alone light the scene? Then that, and the largest of their widths
+ * [m]. */
+bool mcv_scene_is_laser_lit(const mcv_scene *scene, double *wavelength, double *linewidth);
+
+/* Switches off all emitters but the lasers. MCV_BAD_INPUT where no laser has power. */
+mcv_result mcv_scene_keep_lasers(mcv_scene *scene, mcv_error *error);
+
 /*
  * Writes the power of each column of a laser's table, summed over rows and channels, to
  * `columns`, which has image->width numbers. Returns their sum.

@@ -16,6 +16,11 @@ mcv_camera_settings mcv_camera_settings_of(const mcv_command *command) {
                                     .expose_to = command->expose_to,
                                     .dark_current = command->dark_current,
                                     .lens_mtf = command->lens_mtf,
+                                    .speckle = command->speckle,
+                                    .speckle_polarization = command->speckle_polarization,
+                                    .speckle_patterns = command->speckle_patterns,
+                                    .speckle_roughness = command->speckle_roughness[0],
+                                    .speckle_seed = (uint32_t)command->speckle_seed,
                                     .camera = {.full_well = command->full_well,
                                                .gain = command->gain,
                                                .read_noise = command->read_noise,
@@ -91,11 +96,13 @@ static mcv_result set_attributes(const mcv_command *command, const mcv_read_out 
         number_attribute("mcvisi:exposureSeed", camera->seed),
         number_attribute("mcvisi:cameraSeed", camera->specimen),
     };
+    const mcv_attribute speckle = number_attribute("mcvisi:speckleContrast", out->speckle);
     const mcv_attribute exposed = number_attribute("expTime", command->exposure_time);
     const mcv_attribute model =
         text_attribute(MCV_CAMERA_MODEL_KEY, out->exposure.grey.description);
     MCV_TRY(mcv_exr_set_attributes(grey, own, sizeof own / sizeof own[0], error));
     if (model.text) MCV_TRY(mcv_exr_set_attributes(grey, &model, 1, error));
+    if (out->speckle > 0) MCV_TRY(mcv_exr_set_attributes(grey, &speckle, 1, error));
     return command->exposure_time > 0 ? mcv_exr_set_attributes(grey, &exposed, 1, error) : MCV_OK;
 }
 

@@ -21,6 +21,7 @@ void mcv_grey_report(const mcv_command *command, const char *path, const char *p
     mcv_report_numbers(report, "size", "", " x ", (const double[]){grey->width, grey->height}, 2);
     mcv_report_number(report, "channels", "", grey->channels);
     mcv_report_text(report, "lens_mtf", out->lens[0] ? out->lens : "none");
+    if (out->speckle > 0) mcv_report_number(report, "speckle_contrast", "", out->speckle);
     if (e[0] == e[1] && e[1] == e[2])
         mcv_report_number(report, "electrons_per_unit", per_unit, e[0]);
     else

@@ -2,6 +2,7 @@
 #include "verbs/render_files.h"
 
 #include "verbs/grey_files.h"
+#include "scene/laser.h"
 #include "scene/sensor_find.h"
 #include "core/basics.h"
 #include "core/output_file.h"
@@ -124,6 +125,26 @@ mcv_result mcv_render_files_check(const mcv_command *command, const mcv_scene *s
     return MCV_OK;
 }
 
+mcv_result mcv_render_resize(const mcv_command *command, mcv_scene *scene, uint32_t sensor,
+                             mcv_error *error) {
+    enum { WIDEST = 65536 };
+    mcv_sensor *s = scene->sensors + sensor;
+    uint32_t width, height;
+    if (command->resolution[0])
+        MCV_TRY(mcv_sensor_resize(s, command->resolution[0], command->resolution[1], scene, error));
+    if (!command->lasers) return MCV_OK;
+    mcv_sensor_film_size(s, &width, &height);
+    const uint64_t columns = (uint64_t)command->lasers * width,
+                   rows = (uint64_t)command->lasers * height;
+    if (columns > WIDEST || rows > WIDEST)
+        return mcv_fail(error, MCV_USAGE,
+                        "--lasers %u: makes %llu x %llu pixels of sensor %s: at most %d each",
+                        (unsigned)command->lasers, (unsigned long long)columns,
+                        (unsigned long long)rows, s->name, WIDEST);
+    MCV_TRY(mcv_scene_keep_lasers(scene, error));
+    return mcv_sensor_resize(s, columns, rows, scene, error);
+}
+
 mcv_result mcv_render_sensors(const mcv_command *command, mcv_scene *scene, uint32_t *first,
                               uint32_t *count, mcv_error *error) {
     *first = 0;
@@ -132,9 +153,8 @@ mcv_result mcv_render_sensors(const mcv_command *command, mcv_scene *scene, uint
         MCV_TRY(mcv_sensor_find(scene, command->sensor, first, error));
         *count = 1;
     }
-    for (uint32_t i = *first; command->resolution[0] && i < *first + *count; ++i)
-        MCV_TRY(mcv_sensor_resize(scene->sensors + i, command->resolution[0],
-                                  command->resolution[1], scene, error));
+    for (uint32_t i = *first; i < *first + *count; ++i)
+        MCV_TRY(mcv_render_resize(command, scene, i, error));
     return MCV_OK;
 }
 

@@ -17,6 +17,10 @@ typedef struct mcv_render_files {
     char part[PATH_MAX]; /* of --film, or "" */
 } mcv_render_files;
 
+/* What --resolution and --lasers make of a sensor's film and the scene's light. */
+mcv_result mcv_render_resize(const mcv_command *command, mcv_scene *scene, uint32_t sensor,
+                             mcv_error *error);
+
 /* Which sensors the options ask for, with the pixels of --resolution; MCV_USAGE for an exposure
  * without --camera. */
 mcv_result mcv_render_sensors(const mcv_command *command, mcv_scene *scene, uint32_t *first,

@@ -4,7 +4,9 @@
 
 #include "io/exr_make.h"
 #include "io/picture_header.h"
+#include "analysis/read_speckle.h"
 #include "scene/camera_model.h"
+#include "scene/laser.h"
 #include "scene/sensor_find.h"
 
 #include <inttypes.h>
@@ -124,8 +126,13 @@ static mcv_result add_attributes(const mcv_rendered *r, mcv_exr *exr, const char
         number_attribute("mcvisi:seconds", stats->seconds_render),
         text_attribute(MCV_CAMERA_MODEL_KEY, exr->parts[0].image.description),
     };
+    double wavelength, linewidth;
+    const bool is_laser_lit = mcv_scene_is_laser_lit(r->scene, &wavelength, &linewidth);
+    const mcv_attribute of_laser[] = {number_attribute(MCV_LASER_WAVELENGTH, wavelength),
+                                      number_attribute(MCV_LASER_LINEWIDTH, linewidth)};
     const mcv_attribute interrupted = number_attribute(MCV_PICTURE_INTERRUPTED, 1);
     MCV_TRY(mcv_exr_set_attributes(exr, general, sizeof general / sizeof general[0], error));
+    if (is_laser_lit) MCV_TRY(mcv_exr_set_attributes(exr, of_laser, 2, error));
     if (stats->interrupted) MCV_TRY(mcv_exr_set_attributes(exr, &interrupted, 1, error));
     const uint32_t count = mcv_header_attributes(sensor, parameters, names);
     return mcv_exr_set_attributes(exr, parameters, count, error);

@@ -53,6 +53,8 @@
     X(image, image, MCV_UNSET, 0, 4294967294.0, \
       "index or name of one of the file's images, or {\"uri\": FILE.exr}: the power per angle, " \
       "column by column from -x to +x") \
+    X(length, linewidth, 0, 0, 1e-6, \
+      "full width at half maximum of the spectrum, which makes speckle fainter [m]") \
     X(number, straightness, 0, -0.1, 0.1, \
       "how far the line's ends lie aside in y, over its length: b") \
     X(integer, lineCount, 1, 1, 64, "number of lines or beams") \

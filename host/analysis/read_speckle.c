@@ -1,0 +1,118 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+#include "analysis/read_speckle.h"
+
+#include "analysis/speckle.h"
+
+#include <math.h>
+#include <string.h>
+
+/* A picture of the laser's light, and how its sub-pixels lie in the image. */
+typedef struct subpixels {
+    const char *path;
+    const mcv_exr *exr;
+    uint32_t q;
+} subpixels;
+
+/* Is it light of lasers alone, of the same kind as the image? */
+static mcv_result check_light(const subpixels *laser, const char *path, const mcv_exr *exr,
+                              mcv_error *error) {
+    const mcv_attribute *own = mcv_exr_attribute(laser->exr, "mcvisi:quantity"),
+                        *other = mcv_exr_attribute(exr, "mcvisi:quantity");
+    mcv_error detail = {""};
+    if (!mcv_exr_numbers(laser->exr, MCV_LASER_WAVELENGTH, 1))
+        return mcv_fail(
+            error, MCV_BAD_INPUT,
+            "%s: is not lit by lasers of one wavelength alone, and light of lamps makes "
+            "no speckle: render it by `mcvisi render --lasers Q`",
+            laser->path);
+    if (!own || !own->text || !other || !other->text || strcmp(own->text, other->text) != 0)
+        return mcv_fail(error, MCV_BAD_INPUT,
+                        "%s: its mcvisi:quantity is not that of %s: render both with the same "
+                        "radiometry",
+                        laser->path, path);
+    const mcv_result result = mcv_camera_check_light(&laser->exr->parts[0].image, &detail);
+    return result == MCV_OK ? MCV_OK : mcv_fail(error, result, "%s: %s", laser->path, detail.text);
+}
+
+/* Has it q x q pixels for each of the image, enough for the grains? */
+static mcv_result check_grid(subpixels *laser, const char *path, const mcv_exr *exr,
+                             const mcv_speckle *speckle, const double size[2], mcv_error *error) {
+    const mcv_image *own = &laser->exr->parts[0].image, *image = &exr->parts[0].image;
+    laser->q = own->width / image->width;
+    if (laser->q == 0 || own->width != laser->q * image->width ||
+        own->height != laser->q * image->height || own->channels != image->channels)
+        return mcv_fail(error, MCV_BAD_INPUT,
+                        "%s: has %u x %u pixels and %u channels: must have a whole multiple of the "
+                        "%u x %u pixels of %s, and its %u channels",
+                        laser->path, own->width, own->height, own->channels, image->width,
+                        image->height, path, image->channels);
+    const uint32_t needed =
+        mcv_speckle_subpixels(fmax(size[0], size[1]), speckle->wavelength, speckle->f_number);
+    if (laser->q >= needed) return MCV_OK;
+    return mcv_fail(error, MCV_BAD_INPUT,
+                    "%s: has %u x %u sub-pixels for each pixel, but grains of %.3g m need %u x %u: "
+                    "render it with --lasers %u",
+                    laser->path, laser->q, laser->q, speckle->wavelength * speckle->f_number,
+                    needed, needed, needed);
+}
+
+/* What the headers and settings say of the speckle. */
+static mcv_result describe(const mcv_camera_settings *settings, const char *path,
+                           const mcv_exr *exr, const mcv_exr *laser, mcv_speckle *speckle,
+                           double size[2], mcv_error *error) {
+    const double *f_number = mcv_exr_numbers(exr, "mcvisi:fNumber", 1),
+                 *linewidth = mcv_exr_numbers(laser, MCV_LASER_LINEWIDTH, 1);
+    if (!f_number || !mcv_camera_pixel_size(exr, size) ||
+        mcv_exr_attribute(exr, "mcvisi:angularResolution"))
+        return mcv_fail(error, MCV_BAD_INPUT,
+                        "%s: has no f-number and pixel size of one round stop in its header, which "
+                        "make the grains of speckle: use a thinLens or telecentric sensor",
+                        path);
+    speckle->f_number = *f_number;
+    speckle->wavelength = *mcv_exr_numbers(laser, MCV_LASER_WAVELENGTH, 1);
+    speckle->polarization = settings->speckle_polarization;
+    speckle->patterns =
+        settings->speckle_patterns * mcv_speckle_spectral_patterns(linewidth ? *linewidth : 0,
+                                                                   speckle->wavelength,
+                                                                   settings->speckle_roughness);
+    speckle->seed = settings->speckle_seed;
+    return MCV_OK;
+}
+
+static mcv_result add_to_channels(const subpixels *laser, const mcv_speckle *speckle,
+                                  mcv_image *light, mcv_error *error) {
+    const mcv_image *own = &laser->exr->parts[0].image;
+    const size_t plane = (size_t)light->width * light->height,
+                 fine = (size_t)own->width * own->height;
+    for (uint32_t channel = 0; channel < light->channels; ++channel) {
+        const float *from = own->pixels + channel * fine;
+        float *to = light->pixels + channel * plane;
+        double sum = 0;
+        for (size_t i = 0; i < fine; ++i) sum += (double)from[i];
+        if (!(sum > 0)) continue;
+        MCV_TRY(mcv_speckle_add(speckle, from, laser->q, light->width, light->height, to, error));
+        /* The render's own error may take dark places below 0. */
+        for (size_t i = 0; i < plane; ++i) to[i] = fmaxf(to[i], 0);
+    }
+    return MCV_OK;
+}
+
+mcv_result mcv_camera_add_speckle(const mcv_camera_settings *settings, const char *path,
+                                  mcv_exr *exr, double *contrast, mcv_error *error) {
+    mcv_exr picture;
+    mcv_speckle speckle = {0};
+    double size[2];
+    *contrast = 0;
+    if (!settings->speckle) return MCV_OK;
+    MCV_TRY(mcv_exr_read(settings->speckle, &picture, error));
+    subpixels laser = {.path = settings->speckle, .exr = &picture};
+    mcv_result result = check_light(&laser, path, exr, error);
+    if (result == MCV_OK) result = describe(settings, path, exr, &picture, &speckle, size, error);
+    if (result == MCV_OK) result = check_grid(&laser, path, exr, &speckle, size, error);
+    for (int i = 0; result == MCV_OK && i < 2; ++i) speckle.pitch[i] = size[i] / laser.q;
+    if (result == MCV_OK) result = add_to_channels(&laser, &speckle, &exr->parts[0].image, error);
+    mcv_exr_free(&picture);
+    *contrast =
+        sqrt((1 + speckle.polarization * speckle.polarization) / 2 / fmax(speckle.patterns, 1));
+    return result;
+}

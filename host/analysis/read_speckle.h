@@ -1,0 +1,22 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Speckle in an image of light, from a picture of the laser's light alone at sub-pixels. */
+#ifndef MCVISI_HOST_ANALYSIS_READ_SPECKLE_H
+#define MCVISI_HOST_ANALYSIS_READ_SPECKLE_H
+
+#include "analysis/read_out.h"
+
+/* In the header of a picture that lasers of one wavelength alone have lit: that and the largest of
+ * their widths [m]. */
+#define MCV_LASER_WAVELENGTH "mcvisi:laserWavelength"
+#define MCV_LASER_LINEWIDTH "mcvisi:laserLinewidth"
+
+/*
+ * Adds speckle to the first part, which the lens has blurred: the settings name the picture of the
+ * laser's light (analysis/speckle.h). *contrast gets that of the field, 0 without speckle.
+ * MCV_BAD_INPUT where that picture holds other light, or its pixels are not enough for the grains.
+ * `path` is for messages.
+ */
+mcv_result mcv_camera_add_speckle(const mcv_camera_settings *settings, const char *path,
+                                  mcv_exr *exr, double *contrast, mcv_error *error);
+
+#endif

@@ -1,0 +1,265 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Speckle: its contrast in pixels of any size, its statistics, what makes it fainter, and the
+ * camera that reads it. */
+#include "scene_builder.h"
+
+#include "analysis/read_speckle.h"
+#include "analysis/speckle.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+static const double wavelength = 660e-9, f_number = 8;
+
+static mcv_speckle speckle_of(double pitch, uint32_t seed) {
+    return (mcv_speckle){.f_number = f_number,
+                         .wavelength = wavelength,
+                         .pitch = {pitch, pitch},
+                         .polarization = 1,
+                         .patterns = 1,
+                         .seed = seed};
+}
+
+/* Light of 1 everywhere, with its speckle; the caller frees it. */
+static float *even_light(const mcv_speckle *speckle, uint32_t side, uint32_t q) {
+    const size_t fine = (size_t)side * q * side * q;
+    float *laser = malloc(fine * sizeof *laser),
+          *light = malloc((size_t)side * side * sizeof *light);
+    assert_true(laser && light);
+    for (size_t i = 0; i < fine; ++i) laser[i] = 1;
+    for (size_t i = 0; i < (size_t)side * side; ++i) light[i] = 1;
+    BUILD(mcv_speckle_add(speckle, laser, q, side, side, light, &builder_error));
+    free(laser);
+    return light;
+}
+
+/* Mean and standard deviation, without the eighth of the side along the border, which diffraction
+ * darkens. */
+typedef struct moments {
+    double count, sum, squares;
+} moments;
+
+static void add_moments(const float *light, uint32_t side, moments *m) {
+    for (uint32_t row = side / 8; row < side - side / 8; ++row)
+        for (uint32_t column = side / 8; column < side - side / 8; ++column) {
+            const double change = (double)light[row * side + column] - 1;
+            ++m->count;
+            m->sum += change;
+            m->squares += change * change;
+        }
+}
+
+static double contrast_of(double ratio, uint32_t side, double polarization, double patterns,
+                          uint32_t seeds, double *mean) {
+    const double pixel = ratio * wavelength * f_number;
+    const uint32_t q = mcv_speckle_subpixels(pixel, wavelength, f_number);
+    moments m = {0, 0, 0};
+    for (uint32_t seed = 1; seed <= seeds; ++seed) {
+        mcv_speckle speckle = speckle_of(pixel / q, seed);
+        speckle.polarization = polarization;
+        speckle.patterns = patterns;
+        float *light = even_light(&speckle, side, q);
+        add_moments(light, side, &m);
+        free(light);
+    }
+    *mean = 1 + m.sum / m.count;
+    return sqrt(m.squares / m.count);
+}
+
+/*
+ * The contrast of square pixels p behind a round stop, √(p^-4 ∬ (p - |x|)(p - |y|) (2
+ * J1(πr)/(πr))²) by numerical integration, p in λN. Six pictures of 262 144 sub-pixels hold some 50
+ * 000 pixels that are independent, or grains where these are larger: 0.3 % of the contrast. The
+ * mean keeps within 0.9/√(8000 grains) = 1 %.
+ */
+static void test_contrast_of_pixels(void **state) {
+    (void)state;
+    static const struct {
+        double ratio;
+        uint32_t side;
+        double contrast;
+    } cases[] = {{0.5, 256, 0.906}, {1, 128, 0.711}, {2, 64, 0.440}, {4, 64, 0.246}};
+    for (size_t i = 0; i < 4; ++i) {
+        double mean;
+        const double seen = contrast_of(cases[i].ratio, cases[i].side, 1, 1, 6, &mean);
+        print_message("p/(λN) = %g: contrast %.4f, expected %.3f (%+.2f %%); mean %.4f\n",
+                      cases[i].ratio, seen, cases[i].contrast, 100 * (seen / cases[i].contrast - 1),
+                      mean);
+        if (!(fabs(seen / cases[i].contrast - 1) <= 0.01) || !(fabs(mean - 1) <= 0.015))
+            fail_msg("p/(λN) = %g: contrast %g, expected %g; mean %g", cases[i].ratio, seen,
+                     cases[i].contrast, mean);
+    }
+}
+
+/*
+ * Two polarisations have √((1 + p²)/2) of the contrast, M patterns 1/√M, also where M is no whole
+ * number. The pixel of λN/4 alone leaves 0.975, which all share; the same seed has the same first
+ * pattern, so that only some 3 % of chance is left.
+ */
+static void test_what_makes_it_fainter(void **state) {
+    (void)state;
+    double mean;
+    const double whole = contrast_of(0.25, 256, 1, 1, 4, &mean);
+    static const double cases[][3] = {
+        {0, 1, 0.70711}, {0.6, 1, 0.82462}, {1, 2, 0.70711}, {1, 2.5, 0.63246}, {0, 3, 0.40825}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        const double seen = contrast_of(0.25, 256, cases[i][0], cases[i][1], 4, &mean) / whole;
+        print_message("polarisation %g, %g patterns: %.4f, expected %.4f\n", cases[i][0],
+                      cases[i][1], seen, cases[i][2]);
+        if (!(fabs(seen / cases[i][2] - 1) <= 0.03))
+            fail_msg("polarisation %g, %g patterns: %g, expected %g", cases[i][0], cases[i][1],
+                     seen, cases[i][2]);
+    }
+    /* σ_λ = 1 nm/2.3548, σ_h = 10 µm: 8π · 6.434e-4 · 15.15 = 0.24501, and √(1 + 0.24501²). */
+    assert_true(fabs(mcv_speckle_spectral_patterns(1e-9, 660e-9, 1e-5) - 1.029579) <= 1e-5);
+    assert_true(mcv_speckle_spectral_patterns(0, 660e-9, 1e-5) == 1);
+}
+
+static int ascending(const void *a, const void *b) {
+    const double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/*
+ * Of one pattern, p(I) = exp(-I): Kolmogorov and Smirnov's distance of n independent values is
+ * above 1.95/√n with probability 1e-3. Values 3 λN apart are independent: the first zero of the
+ * autocovariance lies at 1.22 λN, and beyond 3 λN it is below 1e-4. Pixels of λN/8 take 0.6 % off
+ * the contrast, which moves the distribution by 0.002 at most. Of two patterns it is another one.
+ */
+static void test_exponential(void **state) {
+    (void)state;
+    enum { SIDE = 384, STEP = 24, EDGE = 48, SEEDS = 8 };
+    static double values[SEEDS * (SIDE / STEP) * (SIDE / STEP)];
+    for (int patterns = 1; patterns <= 2; ++patterns) {
+        size_t n = 0;
+        double distance = 0;
+        for (uint32_t seed = 1; seed <= SEEDS; ++seed) {
+            mcv_speckle speckle = speckle_of(wavelength * f_number / 8, seed);
+            speckle.patterns = patterns;
+            float *light = even_light(&speckle, SIDE, 1);
+            for (int row = EDGE; row < SIDE - EDGE; row += STEP)
+                for (int column = EDGE; column < SIDE - EDGE; column += STEP)
+                    values[n++] = (double)light[row * SIDE + column];
+            free(light);
+        }
+        qsort(values, n, sizeof values[0], ascending);
+        for (size_t i = 0; i < n; ++i) {
+            const double expected = -expm1(-values[i]);
+            distance = fmax(distance, fmax((double)(i + 1) / (double)n - expected,
+                                           expected - (double)i / (double)n));
+        }
+        print_message("%d patterns, %zu values: distance %.4f, limit %.4f\n", patterns, n, distance,
+                      1.95 / sqrt((double)n) + 0.002);
+        assert_int_equal(distance <= 1.95 / sqrt((double)n) + 0.002, patterns == 1);
+    }
+}
+
+/* --- the camera --- */
+
+enum { WIDTH = 48, HEIGHT = 32, Q = 4 };
+
+/* A picture of this size and light, in memory or in a file. */
+static void fill(mcv_image *image, uint32_t width, uint32_t height, float value) {
+    BUILD(mcv_image_new(image, width, height, 1, &builder_error));
+    for (size_t i = 0; i < (size_t)width * height; ++i) image->pixels[i] = value;
+}
+
+static void write_laser(const char *path, uint32_t q, bool laser, const char *quantity) {
+    mcv_exr_part part = {.name = "image"};
+    const mcv_attribute attributes[] = {
+        {.name = "mcvisi:quantity", .text = quantity},
+        {.name = MCV_LASER_WAVELENGTH, .numbers = {wavelength}, .count = 1}};
+    fill(&part.image, WIDTH * q, HEIGHT * q, 1);
+    BUILD(mcv_exr_write(path, &part, 1, attributes, laser ? 2 : 1, &builder_error));
+    mcv_image_free(&part.image);
+}
+
+static mcv_result read_out(const char *speckle, bool stop, mcv_read_out *out, mcv_error *error) {
+    mcv_exr_part part = {.name = "image"};
+    mcv_attribute attributes[] = {{.name = "mcvisi:quantity", .text = "irradiance"},
+                                  {.name = "mcvisi:pixelSize",
+                                   .numbers = {wavelength * f_number, wavelength * f_number},
+                                   .count = 2},
+                                  {.name = "mcvisi:fNumber", .numbers = {f_number}, .count = 1}};
+    fill(&part.image, WIDTH, HEIGHT, 1);
+    mcv_exr exr = {
+        .parts = &part, .part_count = 1, .attributes = attributes, .attribute_count = stop ? 3 : 2};
+    const mcv_camera_settings settings = {.electrons_per_unit = {1000, 1000, 1000},
+                                          .quantum_efficiency = {1, 1, 1},
+                                          .wavelength = {wavelength, wavelength, wavelength},
+                                          .lens_mtf = "none",
+                                          .speckle = speckle,
+                                          .speckle_polarization = 1,
+                                          .speckle_patterns = 1,
+                                          .camera = {.full_well = 1e5, .bits = 16, .gain = 1}};
+    const mcv_result result = mcv_camera_read_out(&settings, "light.exr", &exr, out, error);
+    mcv_image_free(&part.image);
+    return result;
+}
+
+/*
+ * Photons are counted of the light with its speckle: the variance of the grey values is the
+ * speckle's (0.711 · 1000)² and the photons' 1000. Some 1200 grains leave 5 % of it, of which 4.5
+ * are 23 %; speckle after the photons would not be told from it, but light without speckle has
+ * 1000.
+ */
+static void test_camera(void **state) {
+    (void)state;
+    const char *path = MCV_BINARY_DIR "/tests/speckle_laser.exr";
+    for (int speckled = 0; speckled < 2; ++speckled) {
+        mcv_read_out out;
+        double sum = 0, squares = 0;
+        write_laser(path, Q, true, "irradiance");
+        BUILD(read_out(speckled ? path : NULL, true, &out, &builder_error));
+        for (int i = 0; i < WIDTH * HEIGHT; ++i) {
+            const double change = (double)out.exposure.grey.pixels[i] - 1000;
+            sum += change;
+            squares += change * change;
+        }
+        const double expected = speckled ? 711.0 * 711 + 1000 : 1000,
+                     seen = squares / (WIDTH * HEIGHT);
+        if (!(fabs(seen / expected - 1) <= 0.23))
+            fail_msg("variance %g, expected %g; mean %g", seen, expected,
+                     1000 + sum / (WIDTH * HEIGHT));
+        assert_true(out.speckle == (speckled ? 1 : 0));
+        mcv_exposure_free(&out.exposure);
+    }
+}
+
+static void test_bad_input(void **state) {
+    (void)state;
+    const char *path = MCV_BINARY_DIR "/tests/speckle_bad.exr";
+    static const struct {
+        uint32_t q;
+        bool laser, stop;
+        const char *quantity, *says;
+    } cases[] = {
+        {Q, false, true, "irradiance", "light of lamps makes no speckle"},
+        {Q, true, true, "radiance", "is not that of light.exr"},
+        {Q - 1, true, true, "irradiance",
+         "has 3 x 3 sub-pixels for each pixel, but grains of 5.28e-06 m need 4 x 4: render it with "
+         "--lasers 4"},
+        {Q, true, false, "irradiance", "light.exr: has no f-number"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        mcv_read_out out;
+        mcv_error error = {""};
+        write_laser(path, cases[i].q, cases[i].laser, cases[i].quantity);
+        assert_int_equal(read_out(path, cases[i].stop, &out, &error), MCV_BAD_INPUT);
+        if (!strstr(error.text, cases[i].says))
+            fail_msg("\"%s\" must say \"%s\"", error.text, cases[i].says);
+    }
+    mcv_read_out out;
+    mcv_error error = {""};
+    assert_int_not_equal(read_out("no_such_file.exr", true, &out, &error), MCV_OK);
+    assert_non_null(strstr(error.text, "no_such_file.exr"));
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_contrast_of_pixels), cmocka_unit_test(test_what_makes_it_fainter),
+        cmocka_unit_test(test_exponential),        cmocka_unit_test(test_camera),
+        cmocka_unit_test(test_bad_input),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
