@@ -27,15 +27,19 @@ static mcv_result detect_with(const mcv_command *command, const mcv_picture *wit
     mcv_detected detected;
     mcv_report r;
     if (command->mask) MCV_TRY(mcv_output_check(command->mask, error));
+    if (command->truth) MCV_TRY(mcv_output_check(command->truth, error));
     MCV_TRY(mcv_detect_pictures(command, &with->exr, with->path, &without->exr, without->path,
                                 &detected, error));
-    mcv_result result = command->mask ? mcv_detect_save(command, &detected, error) : MCV_OK;
+    mcv_result result = mcv_detect_look(command, &detected, error);
+    if (result == MCV_OK && command->mask) result = mcv_detect_save(command, &detected, error);
+    if (result == MCV_OK && report) result = mcv_report_keep(&r, command->json, error);
+    if (result == MCV_OK && report) {
+        mcv_detect_report(command, &detected, &r);
+        result = mcv_report_take(&r, report, error);
+    }
     if (result == MCV_OK && visible) result = make_picture(&detected.sigmas, visible, error);
-    mcv_image_free(&detected.sigmas);
-    if (result != MCV_OK || !report) return result;
-    MCV_TRY(mcv_report_keep(&r, command->json, error));
-    mcv_detect_report(command, &detected, &r);
-    return mcv_report_take(&r, report, error);
+    mcv_detected_free(&detected);
+    return result;
 }
 
 static mcv_result detect(const mcv_picture *with, const mcv_picture *without, const char *options,

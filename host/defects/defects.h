@@ -79,6 +79,14 @@ double mcv_defect_outline(const mcv_defect *defect, const double point[3]);
 /* The height to which a cut moves what lies above (u, v), and the normal of its face there. */
 double mcv_defect_cut(const mcv_defect *defect, double u, double v, double normal[3]);
 
+/*
+ * changed.c: has the defect changed the surface in this point of the world? Of a relief what is
+ * higher than a hundredth of its depth counts, of a pit or patch what lies within the outline, of a
+ * cut its face. The point must lie on the surface of the instance. False for defects inside of
+ * bodies.
+ */
+bool mcv_defect_changed(const mcv_defect *defect, uint32_t instance, const double world[3]);
+
 /* --- the place --- */
 
 /* Where a defect lies, as its entry says. */

@@ -54,6 +54,10 @@ void mcv_ground_point(const mcv_ground *ground, uint32_t instance, const float p
 double mcv_ground_edge_distance(const mcv_ground *ground, const double a[3], const double b[3]);
 double mcv_ground_triangle_distance(const mcv_ground *ground, const double corners[3][3]);
 
+/* A quick look: is all that lies within `reach` of p farther than `beyond` from the footprint?
+ * False may be wrong, true is not. */
+bool mcv_ground_is_far(const mcv_ground *ground, const double p[3], double reach, double beyond);
+
 /* Must the edge between two corners be halved? */
 bool mcv_ground_splits(const mcv_ground *ground, uint32_t instance, const mcv_corner *a,
                        const mcv_corner *b);

@@ -78,6 +78,14 @@ static double distance_of(const double c[3][3]) {
     return fabs(c[0][0] * n[0] + c[0][1] * n[1] + c[0][2] * n[2]) / length;
 }
 
+/* In the tangent plane, or more than that. */
+static double longest_side(const double c[3][3]) {
+    double most = 0;
+    for (int k = 1; k < 3; ++k)
+        for (int i = 0; i < 2; ++i) most = fmax(most, fabs(c[k][i] - c[0][i]));
+    return most * M_SQRT2;
+}
+
 static bool find_candidates(search *s) {
     const mcv_ground *ground = s->ground;
     const mcv_scene *scene = ground->scene;
@@ -86,6 +94,9 @@ static bool find_candidates(search *s) {
         for (uint32_t t = 0; t < count; ++t) {
             candidate one = {.instance = i, .triangle = t};
             local_corners(ground, i, t, one.corners);
+            if (mcv_ground_is_far(ground, one.corners[0],
+                                  longest_side((const double(*)[3])one.corners), 0))
+                continue;
             if (fmax(fmax(one.corners[0][2], one.corners[1][2]), one.corners[2][2]) <=
                     ground->footprint.lowest ||
                 mcv_ground_triangle_distance(ground, (const double(*)[3])one.corners) >=

@@ -67,6 +67,12 @@ double mcv_ground_triangle_distance(const mcv_ground *ground, const double c[3][
                      mcv_ground_edge_distance(ground, c[2], c[0])));
 }
 
+bool mcv_ground_is_far(const mcv_ground *ground, const double p[3], double reach, double beyond) {
+    const mcv_footprint *f = &ground->footprint;
+    const double least = f->half_length + f->fine + f->radius + reach + beyond;
+    return p[0] * p[0] + p[1] * p[1] > least * least;
+}
+
 /* --- halving --- */
 
 /* Beyond the fine part edges may grow by this share of their distance. */
@@ -95,6 +101,8 @@ bool mcv_ground_splits(const mcv_ground *ground, uint32_t instance, const mcv_co
     mcv_ground_point(ground, instance, (order < 0 ? a : b)->position, p);
     mcv_ground_point(ground, instance, (order < 0 ? b : a)->position, q);
     if (fmin(p[2], q[2]) > ground->high || fmax(p[2], q[2]) < ground->low) return false;
+    const double u = fabs(q[0] - p[0]), v = fabs(q[1] - p[1]), most = u + v + fabs(q[2] - p[2]);
+    if (mcv_ground_is_far(ground, p, u + v, most / grading)) return false;
     const double length = hypot(hypot((q[0] - p[0]) / f->stretch, q[1] - p[1]), q[2] - p[2]);
     if (length <= f->edge) return false;
     const double beyond = fmax(0, mcv_ground_edge_distance(ground, p, q) - f->fine);

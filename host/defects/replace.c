@@ -153,6 +153,33 @@ static size_t count_facets(const mcv_facets *facets, const choice *which) {
     return count;
 }
 
+/* Triangles that are not marked. Of a mesh with normals they keep their vertices: only the facets
+ * need to be looked up, and a large mesh with a small defect is made in the time of a copy. */
+static bool keep(building *b, const mcv_scene *scene, uint32_t instance, const uint8_t *marks,
+                 uint32_t count) {
+    const mcv_mesh *old = scene->meshes + scene->instances[instance].mesh;
+    uint32_t *numbers = calloc(old->vertex_count + (size_t)1, sizeof *numbers); /* new + 1 */
+    for (uint32_t t = 0; t < count && numbers; ++t) {
+        if (marks[t]) continue;
+        const mcv_facet kept = mcv_facet_take(scene, instance, t);
+        if (!old->normals) {
+            add_facet(b, &kept);
+            continue;
+        }
+        for (size_t k = 0; k < 3; ++k) {
+            uint32_t *number = numbers + old->indices[3 * (size_t)t + k];
+            if (!*number) {
+                b->corners[b->mesh.vertex_count] = kept.corners[k];
+                *number = ++b->mesh.vertex_count;
+            }
+            b->mesh.indices[3 * (size_t)b->mesh.triangle_count + k] = *number - 1;
+        }
+        ++b->mesh.triangle_count;
+    }
+    free(numbers);
+    return numbers != NULL;
+}
+
 mcv_result mcv_facets_mesh(const mcv_facets *facets, const mcv_scene *scene, uint32_t instance,
                            const uint8_t *marks, bool patch, bool of_patch, mcv_mesh *mesh,
                            const mcv_json_path *place, mcv_error *error) {
@@ -165,14 +192,10 @@ mcv_result mcv_facets_mesh(const mcv_facets *facets, const mcv_scene *scene, uin
         end(&b);
         return mcv_fail_memory(place, error);
     }
-    for (uint32_t t = 0; t < kept_count; ++t) {
-        if (marks[t]) continue;
-        const mcv_facet kept = mcv_facet_take(scene, instance, t);
-        add_facet(&b, &kept);
-    }
+    const bool memory_for_kept = keep(&b, scene, instance, marks, kept_count);
     for (size_t f = 0; f < facets->count; ++f)
         if (chosen(&which, facets->items + f)) add_facet(&b, facets->items + f);
-    const bool memory = spread(&b, old);
+    const bool memory = memory_for_kept && spread(&b, old);
     if (memory) {
         *mesh = b.mesh;
         b.mesh = (mcv_mesh){0};

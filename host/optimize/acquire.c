@@ -23,14 +23,16 @@ typedef struct improving {
     mcv_searching *s;
     double best;  /* mean of the process at the best point */
     double noise; /* standard uncertainty of a usual evaluation */
+    bool meets; /* that point meets the requirements; else the chance to do so is all that counts */
 } improving;
 
-static double improvement(const improving *i, double mean, double deviation) {
+static double improvement(const improving *i, double mean, double deviation, double chance) {
+    if (!i->meets) return chance;
     if (!(deviation > 0)) return 0;
     const double z = (i->best - mean) / deviation,
                  expected = (i->best - mean) * erfc(-z / M_SQRT2) / 2 +
                             deviation * exp(-z * z / 2) / sqrt(2 * M_PI);
-    return fmax(0, expected) * (1 - i->noise / hypot(i->noise, deviation));
+    return chance * fmax(0, expected) * (1 - i->noise / hypot(i->noise, deviation));
 }
 
 static int compare(const void *a, const void *b) {
@@ -53,6 +55,7 @@ static double usual_noise(const mcv_surrogate *s) {
 typedef struct candidates {
     size_t count;
     double *units, *means, *deviations, *promises;
+    double *chances; /* to meet the requirements */
 } candidates;
 
 static void free_candidates(candidates *c) {
@@ -60,6 +63,7 @@ static void free_candidates(candidates *c) {
     free(c->means);
     free(c->deviations);
     free(c->promises);
+    free(c->chances);
 }
 
 /* About a point, in steps of a share of each length, from a hundredth up. */
@@ -80,8 +84,9 @@ static mcv_result make_candidates(mcv_searching *s, uint32_t seed, const double 
     *c = (candidates){.units = malloc(most * d * sizeof(double)),
                       .means = malloc(most * sizeof(double)),
                       .deviations = malloc(most * sizeof(double)),
-                      .promises = malloc(most * sizeof(double))};
-    if (!c->units || !c->means || !c->deviations || !c->promises)
+                      .promises = malloc(most * sizeof(double)),
+                      .chances = malloc(most * sizeof(double))};
+    if (!c->units || !c->means || !c->deviations || !c->promises || !c->chances)
         return mcv_fail(error, MCV_FAILED, "no memory for a search");
     MCV_TRY(mcv_space_fill(s->search, seed, SPREAD, c->units, &c->count, error));
     for (size_t i = 0; i < NEAR; ++i) {
@@ -92,20 +97,23 @@ static mcv_result make_candidates(mcv_searching *s, uint32_t seed, const double 
     /* Once more what was seen: a mean of two values may tell more than a new point. */
     memcpy(c->units + c->count * d, s->surrogate.points, s->surrogate.count * d * sizeof *c->units);
     c->count += s->surrogate.count;
+    MCV_TRY(mcv_search_chances(s, c->units, c->count, c->chances, error));
     return mcv_surrogate_predict(&s->surrogate, c->units, c->count, c->means, c->deviations, error);
 }
 
 // NOLINTNEXTLINE(readability-non-const-parameter): as NLopt has it
 static double promise_at(unsigned count, const double *unit, double *slopes, void *user) {
     improving *i = user;
-    double placed[MCV_SURROGATE_PARAMETERS], values[MCV_SURROGATE_PARAMETERS], mean, deviation;
+    double placed[MCV_SURROGATE_PARAMETERS], values[MCV_SURROGATE_PARAMETERS], mean, deviation,
+        chance;
     mcv_error ignored;
     (void)slopes;
     memcpy(placed, unit, count * sizeof *placed);
     if (!mcv_space_place(i->s->search, placed, values) ||
-        mcv_surrogate_predict(&i->s->surrogate, placed, 1, &mean, &deviation, &ignored) != MCV_OK)
+        mcv_surrogate_predict(&i->s->surrogate, placed, 1, &mean, &deviation, &ignored) != MCV_OK ||
+        mcv_search_chances(i->s, placed, 1, &chance, &ignored) != MCV_OK)
         return 0;
-    return improvement(i, mean, deviation);
+    return improvement(i, mean, deviation, chance);
 }
 
 /* Between the candidates; the result is placed. */
@@ -131,12 +139,16 @@ static double refine(improving *i, double *unit, double promise) {
 
 /* --- the chance that something better is left --- */
 
+/* Below this chance to meet the requirements a point is no hope. */
+static const double least_chance = 0.05;
+
 /* The best point, then the candidates whose mean less two deviations is smallest: *count of them,
  * JOINT + 1 at most. */
 static void take_hopes(const mcv_searching *s, const candidates *c, const double *best,
                        double *hopes, double *points, size_t *count) {
     const size_t d = s->search->dimensions;
-    for (size_t i = 0; i < c->count; ++i) hopes[i] = c->means[i] - 2 * c->deviations[i];
+    for (size_t i = 0; i < c->count; ++i)
+        hopes[i] = c->chances[i] < least_chance ? INFINITY : c->means[i] - 2 * c->deviations[i];
     double *sorted = hopes + c->count;
     memcpy(sorted, hopes, c->count * sizeof *sorted);
     qsort(sorted, c->count, sizeof *sorted, compare);
@@ -144,7 +156,7 @@ static void take_hopes(const mcv_searching *s, const candidates *c, const double
     memcpy(points, best, d * sizeof *points);
     *count = 1;
     for (size_t i = 0; i < c->count && *count <= JOINT; ++i)
-        if (hopes[i] <= limit)
+        if (hopes[i] <= limit && isfinite(hopes[i]))
             memcpy(points + (*count)++ * d, c->units + i * d, d * sizeof *points);
 }
 
@@ -181,7 +193,7 @@ static mcv_result choose(improving *i, candidates *c, const double *best, uint32
                          double *unit, double *promise, double *chance, mcv_error *error) {
     const size_t d = i->s->search->dimensions;
     for (size_t k = 0; k < c->count; ++k)
-        c->promises[k] = improvement(i, c->means[k], c->deviations[k]);
+        c->promises[k] = improvement(i, c->means[k], c->deviations[k], c->chances[k]);
     *promise = -1;
     for (int start = 0; start < STARTS; ++start) {
         size_t most = 0;
@@ -198,7 +210,7 @@ static mcv_result choose(improving *i, candidates *c, const double *best, uint32
     }
     *chance = 1;
     /* The draws cost more than the improvement, which is small before the chance is. */
-    if (i->s->search->objectives > 1 || *promise > i->s->better[0]) return MCV_OK;
+    if (i->s->search->objectives > 1 || !i->meets || *promise > i->s->better[0]) return MCV_OK;
     return find_chance(i->s, c, best, seed, chance, error);
 }
 
@@ -207,7 +219,7 @@ mcv_result mcv_search_acquire(mcv_searching *s, uint32_t seed, double *unit, dou
     double best[MCV_SURROGATE_PARAMETERS];
     improving i = {.s = s, .noise = usual_noise(&s->surrogate)};
     candidates c;
-    MCV_TRY(mcv_search_best(s, true, best, &i.best, error));
+    MCV_TRY(mcv_search_best(s, true, best, &i.best, &i.meets, error));
     mcv_result result = make_candidates(s, seed, best, &c, error);
     if (result == MCV_OK) result = choose(&i, &c, best, seed, unit, promise, chance, error);
     free_candidates(&c);

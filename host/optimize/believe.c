@@ -55,25 +55,39 @@ mcv_result mcv_search_believe(mcv_searching *s, const double *weights, bool leng
         const double value = weigh(s, e, weights, &variance);
         MCV_TRY(mcv_surrogate_add(&s->surrogate, e->unit, value, variance, error));
     }
-    return mcv_surrogate_fit(&s->surrogate, lengths, error);
+    MCV_TRY(mcv_surrogate_fit(&s->surrogate, lengths, error));
+    return mcv_search_believe_margins(s, lengths, error);
+}
+
+/* The place of the best: the smallest value of those with even odds, else the best chance. */
+static size_t find_best(const double *values, const double *chances, size_t count, bool *meets) {
+    size_t best = 0;
+    *meets = false;
+    for (size_t i = 0; i < count; ++i) {
+        const bool own = chances[i] >= 0.5;
+        const bool better = own && *meets ? values[i] < values[best]
+                                          : !*meets && (own || chances[i] > chances[best]);
+        if (better) best = i;
+        *meets = *meets || own;
+    }
+    return best;
 }
 
 mcv_result mcv_search_best(const mcv_searching *s, bool cautious, double *unit, double *mean,
-                           mcv_error *error) {
+                           bool *meets, mcv_error *error) {
     const size_t n = s->surrogate.count, d = s->surrogate.dimensions;
-    double *means = malloc(2 * n * sizeof *means), least = INFINITY;
-    size_t best = 0;
+    double *means = malloc(4 * n * sizeof *means), *values = means + 2 * n,
+           *chances = means + 3 * n;
     if (!means) return mcv_fail(error, MCV_FAILED, "no memory for a search");
-    const mcv_result result =
+    mcv_result result =
         mcv_surrogate_predict(&s->surrogate, s->surrogate.points, n, means, means + n, error);
-    for (size_t i = 0; i < n && result == MCV_OK; ++i) {
-        const double value = means[i] + (cautious ? means[n + i] : 0);
-        if (value >= least) continue;
-        least = value;
-        best = i;
+    if (result == MCV_OK) result = mcv_search_chances(s, s->surrogate.points, n, chances, error);
+    if (result == MCV_OK) {
+        for (size_t i = 0; i < n; ++i) values[i] = means[i] + (cautious ? means[n + i] : 0);
+        const size_t best = find_best(values, chances, n, meets);
+        memcpy(unit, s->surrogate.points + best * d, d * sizeof *unit);
+        *mean = means[best];
     }
-    memcpy(unit, s->surrogate.points + best * d, d * sizeof *unit);
-    *mean = result == MCV_OK ? means[best] : NAN;
     free(means);
     return result;
 }

@@ -19,27 +19,44 @@ static bool is_of(const mcv_searching *s, const mcv_evaluation *e, const mcv_con
            memcmp(e->unit, c->point.unit, s->search->dimensions * sizeof *e->unit) == 0;
 }
 
-void mcv_search_mean(const mcv_searching *s, size_t from, bool stated_counts, mcv_confirmed *c) {
-    for (size_t k = 0; k < s->search->objectives; ++k) {
-        double sum = 0, squares = 0, stated = 0, n = 0;
-        for (size_t i = from; i < s->result->count; ++i) {
-            const mcv_evaluation *e = s->result->all + i;
-            if (!is_of(s, e, c, k)) continue;
-            sum += e->results[k];
-            stated += isnan(e->errors[k]) ? 0 : e->errors[k] * e->errors[k];
-            ++n;
-        }
-        const double mean = sum / n;
-        for (size_t i = from; i < s->result->count; ++i) {
-            const double off = s->result->all[i].results[k] - mean;
-            if (is_of(s, s->result->all + i, c, k)) squares += off * off;
-        }
-        c->count = (size_t)n;
-        c->point.results[k] = n > 0 ? mean : NAN;
-        c->point.errors[k] = stated_counts && stated > 0 ? sqrt(stated) / n
-                             : n > 1                     ? sqrt(squares / ((n - 1) * n))
-                                                         : NAN;
+/* One of the numbers of an evaluation, by their place in it. */
+typedef double number_of(const mcv_evaluation *e, size_t k);
+static double result_of(const mcv_evaluation *e, size_t k) { return e->results[k]; }
+static double error_of(const mcv_evaluation *e, size_t k) { return e->errors[k]; }
+static double margin_of(const mcv_evaluation *e, size_t k) { return e->margins[k]; }
+static double margin_error_of(const mcv_evaluation *e, size_t k) { return e->margin_errors[k]; }
+
+/* The mean of a number, its standard uncertainty in *u; `objective`: whose evaluations count. */
+static double mean_of(const mcv_searching *s, size_t from, bool stated_counts, mcv_confirmed *c,
+                      size_t objective, size_t k, number_of *value, number_of *stated_of,
+                      double *u) {
+    double sum = 0, squares = 0, stated = 0, n = 0;
+    for (size_t i = from; i < s->result->count; ++i) {
+        const mcv_evaluation *e = s->result->all + i;
+        if (!is_of(s, e, c, objective)) continue;
+        sum += value(e, k);
+        stated += isnan(stated_of(e, k)) ? 0 : stated_of(e, k) * stated_of(e, k);
+        ++n;
     }
+    const double mean = sum / n;
+    for (size_t i = from; i < s->result->count; ++i) {
+        const double off = value(s->result->all + i, k) - mean;
+        if (is_of(s, s->result->all + i, c, objective)) squares += off * off;
+    }
+    c->count = (size_t)n;
+    *u = stated_counts && stated > 0 ? sqrt(stated) / n
+         : n > 1                     ? sqrt(squares / ((n - 1) * n))
+                                     : NAN;
+    return n > 0 ? mean : NAN;
+}
+
+void mcv_search_mean(const mcv_searching *s, size_t from, bool stated_counts, mcv_confirmed *c) {
+    for (size_t k = 0; k < s->search->requirements; ++k)
+        c->point.margins[k] = mean_of(s, from, stated_counts, c, 0, k, margin_of, margin_error_of,
+                                      c->point.margin_errors + k);
+    for (size_t k = 0; k < s->search->objectives; ++k)
+        c->point.results[k] =
+            mean_of(s, from, stated_counts, c, k, k, result_of, error_of, c->point.errors + k);
 }
 
 static mcv_result evaluate_again(mcv_searching *s, const mcv_evaluation *point, size_t times,
@@ -90,6 +107,7 @@ static mcv_result find_rivals(mcv_searching *s, size_t most, mcv_error *error) {
             polished = e;
     }
     if (polished) add_rival(s, polished);
+    double chance;
     double(*order)[2] = malloc(r->count * sizeof *order);
     if (!order) return mcv_fail(error, MCV_FAILED, "no memory for rivals");
     size_t count = 0;
@@ -97,6 +115,8 @@ static mcv_result find_rivals(mcv_searching *s, size_t most, mcv_error *error) {
     for (size_t i = 0; i < r->count && result == MCV_OK; ++i) {
         double deviation;
         if (r->all[i].stage == MCV_STAGE_POLISH || isnan(r->all[i].results[0])) continue;
+        result = mcv_search_chances(s, r->all[i].unit, 1, &chance, error);
+        if (result != MCV_OK || chance < 0.5) continue;
         result = mcv_surrogate_predict(&s->surrogate, r->all[i].unit, 1, order[count], &deviation,
                                        error);
         order[count++][1] = (double)i;
@@ -112,10 +132,22 @@ static mcv_result find_rivals(mcv_searching *s, size_t most, mcv_error *error) {
 
 /* --- the choice among rivals --- */
 
-static size_t best_of(const mcv_search_result *r) {
+/* Are all requirements met, by the mean of the fresh evaluations? */
+static bool is_met(const mcv_searching *s, const mcv_confirmed *c) {
+    for (size_t k = 0; k < s->search->requirements; ++k)
+        if (!(c->point.margins[k] <= 0)) return false;
+    return true;
+}
+
+static size_t best_of(const mcv_searching *s) {
+    const mcv_search_result *r = s->result;
     size_t best = 0;
-    for (size_t i = 1; i < r->point_count; ++i)
-        if (!(r->points[best].point.results[0] <= r->points[i].point.results[0])) best = i;
+    for (size_t i = 1; i < r->point_count; ++i) {
+        const bool met = is_met(s, r->points + i), best_met = is_met(s, r->points + best);
+        if (met != best_met ? met
+                            : !(r->points[best].point.results[0] <= r->points[i].point.results[0]))
+            best = i;
+    }
     return best;
 }
 
@@ -152,11 +184,11 @@ static mcv_result compare_rivals(mcv_searching *s, size_t budget, mcv_error *err
         mcv_search_mean(s, from, true, r->points + i);
     }
     while (r->point_count > 1 && r->count - from < budget) {
-        const size_t next = next_of(s, best_of(r));
+        const size_t next = next_of(s, best_of(s));
         MCV_TRY(evaluate_again(s, &r->points[next].point, 1, error));
         mcv_search_mean(s, from, true, r->points + next);
     }
-    const size_t best = best_of(r);
+    const size_t best = best_of(s);
     const mcv_confirmed first = r->points[0];
     r->points[0] = r->points[best];
     r->points[best] = first;
@@ -195,6 +227,11 @@ mcv_result mcv_search_confirm(mcv_searching *s, size_t budget, mcv_error *error)
     const size_t of_winner = budget / 3 < FEWEST_OF_WINNER ? FEWEST_OF_WINNER : budget / 3,
                  most = (budget - of_winner) / FIRST;
     MCV_TRY(find_rivals(s, most < MCV_SEARCH_RIVALS ? most : MCV_SEARCH_RIVALS, error));
+    if (r->point_count == 0)
+        return mcv_fail(error, MCV_FAILED,
+                        "none of %zu sets seems to meet the requirements: allow more evaluations, "
+                        "or require less",
+                        r->count);
     MCV_TRY(compare_rivals(s, budget - of_winner, error));
     const size_t from = r->count;
     r->winner = r->points[0];

@@ -45,8 +45,9 @@ static double evaluate(unsigned count, const double *at, double *slopes, void *u
 mcv_result mcv_search_polish(mcv_searching *s, size_t budget, mcv_error *error) {
     polishing p = {.s = s, .seed = s->fresh++, .result = MCV_OK, .error = error};
     double at[MCV_SURROGATE_PARAMETERS], steps[MCV_SURROGATE_PARAMETERS], mean, least, noise;
+    bool meets;
     MCV_TRY(mcv_search_believe(s, NULL, true, error));
-    MCV_TRY(mcv_search_best(s, false, p.start, &mean, error));
+    MCV_TRY(mcv_search_best(s, false, p.start, &mean, &meets, error));
     for (size_t i = 0; i < s->search->dimensions; ++i) {
         if (s->search->levels[i].list) continue;
         p.axes[p.count] = i;

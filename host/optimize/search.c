@@ -118,9 +118,12 @@ static size_t polish_budget(const mcv_search *search) {
     size_t smooth = 0;
     for (size_t i = 0; i < search->dimensions; ++i) smooth += search->levels[i].list == NULL;
     const size_t share = search->budget / 6, least = 2 * smooth + 4;
-    return search->objectives > 1 || smooth == 0 || search->budget / 3 < least ? 0
-           : share > least                                                     ? share
-                                                                               : least;
+    /* BOBYQA knows no requirements. */
+    return search->objectives > 1 || search->requirements || smooth == 0 ||
+                   search->budget / 3 < least
+               ? 0
+           : share > least ? share
+                           : least;
 }
 
 static mcv_result look(mcv_searching *s, mcv_error *error) {
@@ -144,8 +147,11 @@ mcv_result mcv_search_run(const mcv_search *search, mcv_search_result *result, m
     mcv_searching s = {.search = search, .result = result};
     *result = (mcv_search_result){.ended = ""};
     mcv_surrogate_begin(&s.surrogate, search->dimensions);
+    for (size_t k = 0; k < search->requirements; ++k)
+        mcv_surrogate_begin(s.limits + k, search->dimensions);
     const mcv_result done = run(&s, error);
     mcv_surrogate_free(&s.surrogate);
+    for (size_t k = 0; k < search->requirements; ++k) mcv_surrogate_free(s.limits + k);
     return done;
 }
 

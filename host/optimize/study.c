@@ -155,6 +155,7 @@ static mcv_result evaluate(void *user, mcv_evaluation *e, mcv_error *error) {
         e->results[i] = mcv_optimization_value(o, i, rounded(q[0]));
         e->errors[i] = rounded(q[1]);
     }
+    MCV_TRY(mcv_requirements_margins(o, row, e, error));
     ++o->next;
     return MCV_OK;
 }
@@ -183,6 +184,7 @@ static mcv_result search(const mcv_optimization_asked *asked, mcv_optimization *
                              .allowed = o->where.count ? is_allowed : NULL,
                              .user = o};
     MCV_TRY(read_objectives(asked, o, error));
+    MCV_TRY(mcv_requirements_read(asked, o, error));
     MCV_TRY(mcv_experiment_open_table(&o->sweep, error));
     find_rows(o);
     const mcv_result result = mcv_search_run(&o->search, &o->found, error);

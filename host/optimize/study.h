@@ -19,8 +19,15 @@ typedef struct mcv_optimization_asked {
     mcv_experiment experiment; /* variation: ranges and lists of values; where: the constraints */
     mcv_texts objectives;      /* "NAME=smallest|largest" */
     mcv_texts better;          /* "NAME=D": the least difference that matters */
+    mcv_texts require;         /* "EXPR<EXPR" of metrics and parameters, also with <=, > and >= */
     size_t evaluations;        /* at most */
 } mcv_optimization_asked;
+
+/* A requirement as "A - B", which must be 0 or less. */
+typedef struct mcv_requirement {
+    const char *text; /* as given; borrowed */
+    char margin[512];
+} mcv_requirement;
 
 typedef struct mcv_objective {
     size_t metric;
@@ -37,6 +44,7 @@ typedef struct mcv_optimization {
     mcv_given_sets sets;
     double *values;
     mcv_objective objectives[MCV_SEARCH_OBJECTIVES];
+    mcv_requirement requirements[MCV_SEARCH_REQUIREMENTS];
     mcv_search search;
     mcv_search_result found; /* results of objectives that are to be large have the other sign */
     size_t *rows;            /* row of each set + 1, of those that were read; 0: none */
@@ -55,6 +63,12 @@ void mcv_optimization_free(mcv_optimization *o);
 
 /* A result of an objective with its own sign again. */
 double mcv_optimization_value(const mcv_optimization *o, size_t objective, double result);
+
+/* requirements.c: reads them, and finds the margins of a set from the numbers of its row. */
+mcv_result mcv_requirements_read(const mcv_optimization_asked *asked, mcv_optimization *o,
+                                 mcv_error *error);
+mcv_result mcv_requirements_margins(const mcv_optimization *o, const double *row, mcv_evaluation *e,
+                                    mcv_error *error);
 
 /* page.c: what the experiment's page shows; an mcv_experiment's put_results. */
 bool mcv_optimization_put_results(FILE *out, const struct mcv_page *page, void *optimization);

@@ -186,8 +186,9 @@ enum {
     X(number, f_number, "f-number", 0, "N", MCV_IN_NEW, NULL, 0, 1e4, \
       "the working f-number, on the image side") \
     X(text, sensor, "sensor", 0, "NAME", \
-      MCV_IN_EXPLAIN | MCV_IN_PATHS | MCV_IN_CHECK | MCV_IN_MEASURE | MCV_IN_CAMERA_MODEL, NULL, \
-      0, 0, "use only this sensor, by name or number") \
+      MCV_IN_EXPLAIN | MCV_IN_PATHS | MCV_IN_CHECK | MCV_IN_MEASURE | MCV_IN_CAMERA_MODEL | \
+          MCV_IN_DETECT, \
+      NULL, 0, 0, "use only this sensor, by name or number") \
     X(count, spp, "spp", 0, "N", MCV_IN_PATHS, NULL, 1, 1ull << 37, \
       "stop at N samples per pixel over all replicates; N / replicates is rounded up to a " \
       "power of two") \
@@ -324,7 +325,8 @@ enum {
     MCV_DEFLECTION_OPTIONS(X) \
     MCV_DEFECT_OPTIONS(X) \
     MCV_DETECT_OPTIONS(X) \
-    X(list, set, "set", 0, "PATH=VALUE", MCV_IN_SCENES | MCV_IN_RELIGHT, NULL, 0, 0, \
+    X(list, set, "set", 0, "PATH=VALUE", MCV_IN_SCENES | MCV_IN_RELIGHT | MCV_IN_DETECT, NULL, 0, \
+      0, \
       "change the scene, as in --set sensors/cam/fNumber=8 or --set " \
       "emitters/back/halfAngle=0.2deg; may be repeated") \
     X(bytes, memory, "memory", 0, "SIZE", MCV_IN_SCENES, NULL, 0, 1e18, \

@@ -10,6 +10,13 @@
     X(number, visible, "visible", 0, "K", MCV_IN_DETECT, "3", 0, 1e6, \
       "a pixel shows the defect where its difference is at least K deviations of the noise") \
     X(text, mask, "output", 'o', "F.png", MCV_IN_DETECT, NULL, 0, 0, \
-      "write which pixels show the defect: 255, the others 0; .png, .tif or .npy")
+      "write which pixels show the defect: 255, the others 0; .png, .tif or .npy") \
+    X(text, marred_rig, "rig", 0, "RIG.gltf", MCV_IN_DETECT, NULL, 0, 0, \
+      "the rig of WITH.exr: tells which pixels see the surface that its defects have changed, " \
+      "and " \
+      "how many of these show it") \
+    X(text, truth, "truth", 0, "F.png", MCV_IN_DETECT, NULL, 0, 0, \
+      "with --rig: write the share of each pixel that sees changed surface, 255 for all; .png, " \
+      ".tif or .npy")
 
 #endif

@@ -22,6 +22,9 @@
       "second, and so on; lhs, a Latin hypercube; sobol, Sobol' points") \
     X(list, objective, "objective", 0, "NAME=largest|smallest", MCV_IN_OPTIMIZE, NULL, 0, 0, \
       "what is to be reached with a metric; up to three, whose best compromises are then found") \
+    X(list, require, "require", 0, "EXPR", MCV_IN_OPTIMIZE, NULL, 0, 0, \
+      "a comparison of metrics and parameters that the best set must meet, as in " \
+      "'saturated<0.01' or 'sharpness>=20*blur'; up to four") \
     X(list, better, "better", 0, "NAME=D", MCV_IN_OPTIMIZE, NULL, 0, 0, \
       "the least difference of an objective that matters: the search stops when nothing better " \
       "by D is likely to be left; by default 1 % of the range that it has seen first") \

@@ -13,6 +13,7 @@ typedef struct mcv_detected {
     mcv_detection detection;
     mcv_camera camera;
     mcv_image sigmas; /* |difference| in deviations of the noise; owned */
+    mcv_image truth;  /* share of each pixel that sees changed surface; owned, or empty */
     char lens[128];   /* what blurs, in words */
     bool same_seed;
 } mcv_detected;
@@ -22,6 +23,13 @@ typedef struct mcv_detected {
 mcv_result mcv_detect_pictures(const mcv_command *command, const mcv_exr *with,
                                const char *with_path, const mcv_exr *without,
                                const char *without_path, mcv_detected *detected, mcv_error *error);
+
+void mcv_detected_free(mcv_detected *detected);
+
+/* detect_truth.c: looks through the scene of --rig, where there is one; writes --truth. */
+mcv_result mcv_detect_look(const mcv_command *command, mcv_detected *detected, mcv_error *error);
+void mcv_detect_report_truth(const mcv_command *command, const mcv_detected *detected,
+                             mcv_report *report);
 
 /* Writes the mask of --output. */
 mcv_result mcv_detect_save(const mcv_command *command, const mcv_detected *detected,

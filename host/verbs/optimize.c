@@ -10,6 +10,7 @@ mcv_optimization_asked mcv_optimize_asked(const mcv_command *c, const mcv_experi
     return (mcv_optimization_asked){.experiment = *experiment,
                                     .objectives = {c->objective.items, c->objective.count},
                                     .better = {c->better.items, c->better.count},
+                                    .require = {c->require.items, c->require.count},
                                     .evaluations = (size_t)c->evaluations};
 }
 
@@ -37,6 +38,18 @@ static json_t *point_json(const mcv_optimization *o, const mcv_confirmed *c) {
                      "renders", (json_int_t)c->count);
 }
 
+/* The margin is below 0 where the requirement is met. */
+static json_t *requirements_json(const mcv_optimization *o) {
+    json_t *list = json_array();
+    const mcv_evaluation *e = &o->found.winner.point;
+    for (size_t k = 0; k < o->search.requirements; ++k)
+        json_array_append_new(
+            list, json_pack("{s:s, s:o, s:o, s:b}", "requirement", o->requirements[k].text,
+                            "margin", number(e->margins[k]), "uncertainty",
+                            number(e->margin_errors[k]), "met", e->margins[k] <= 0));
+    return list;
+}
+
 static json_t *winner_json(const mcv_optimization *o) {
     const mcv_search_result *f = &o->found;
     const bool largest = o->objectives[0].largest;
@@ -51,6 +64,7 @@ static json_t *winner_json(const mcv_optimization *o) {
         json_object_set_new(near, o->sweep.plan.parameters[i].name,
                             json_pack("[f, f]", f->near[i][0], f->near[i][1]));
     json_object_set_new(winner, "as_good_within", near);
+    if (o->search.requirements) json_object_set_new(winner, "requirements", requirements_json(o));
     return winner;
 }
 
@@ -90,6 +104,10 @@ static void put_winner(FILE *out, const mcv_optimization *o) {
             fmin(ends[0], ends[1]), fmax(ends[0], ends[1]), f->winner.count);
     fprintf(out, "  in the search it looked like %.5g\n",
             mcv_optimization_value(o, 0, f->winner.in_search));
+    for (size_t k = 0; k < o->search.requirements; ++k)
+        fprintf(out, "  %s: %s by %.3g ± %.2g\n", o->requirements[k].text,
+                f->winner.point.margins[k] <= 0 ? "met" : "missed",
+                fabs(f->winner.point.margins[k]), f->winner.point.margin_errors[k]);
     for (size_t i = 0; i < o->search.dimensions; ++i)
         fprintf(out, "  %s: as good from %.5g to %.5g\n", o->sweep.plan.parameters[i].name,
                 f->near[i][0], f->near[i][1]);

@@ -76,6 +76,64 @@ static void the_library_gives_sigmas(void **state) {
     mcv_picture_free(visible);
 }
 
+/* A plate in the light of a sky, seen straight from above at a scale of 1: a pixel sees 50 µm. */
+#define DUG(defect) \
+    "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0,1,2]}]," \
+    "\"extensionsUsed\":[\"MCVISI_defects\",\"MCVISI_emitters\",\"MCVISI_sensors\"]," \
+    "\"extensions\":{\"MCVISI_sensors\":{\"sensors\":[{\"name\":\"cam\",\"type\":" \
+    "\"telecentric\",\"magnification\":1,\"workingDistance\":0.1,\"fNumber\":8," \
+    "\"resolution\":[64,48],\"pixelSize\":5e-5}]},\"MCVISI_emitters\":{\"emitters\":[{" \
+    "\"name\":\"sky\",\"type\":\"environment\",\"radiance\":1}]}," \
+    "\"MCVISI_defects\":{\"defects\":[" defect "]}}," \
+    "\"buffers\":[{\"byteLength\":60,\"uri\":\"data:application/octet-stream;base64," \
+    "CtejvArXo7wAAAAACtejPArXo7wAAAAACtejPArXozwAAAAACtejvArXozwAAAAAAAABAAIAAAACAAMA\"}]," \
+    "\"bufferViews\":[{\"buffer\":0,\"byteLength\":48},{\"buffer\":0,\"byteOffset\":48," \
+    "\"byteLength\":12}],\"accessors\":[{\"bufferView\":0,\"componentType\":5126," \
+    "\"count\":4,\"type\":\"VEC3\",\"min\":[-0.02,-0.02,0],\"max\":[0.02,0.02,0]}," \
+    "{\"bufferView\":1,\"componentType\":5123,\"count\":6,\"type\":\"SCALAR\"}]," \
+    "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1}]}]," \
+    "\"nodes\":[{\"name\":\"plate\",\"mesh\":0},{\"name\":\"cam\",\"translation\":" \
+    "[0,0,0.1],\"extensions\":{\"MCVISI_sensors\":{\"sensor\":0}}},{\"name\":\"sky\"," \
+    "\"extensions\":{\"MCVISI_emitters\":{\"emitter\":0}}}]}"
+
+/* A disc of 1 mm covers π/4 400 pixels of 50 µm. 8 x 8 rays a pixel count lattice points in a
+ * circle of the radius 80: off by less than 2 √2 π 80 of 20106 (Gauss), and for chords of the
+ * outline by less than (size/32)²/size² of it. A dent of 1/e² diameter 1 mm is above a hundredth up
+ * to r = √(2 ln 100) s = 0.759 mm. */
+static void tells_which_pixels_see_it(void **state) {
+    const struct {
+        const char *rig;
+        double diameter;
+    } cases[] = {{DUG("{\"type\":\"dig\",\"node\":\"plate\",\"at\":[0,0,0],\"size\":1e-3}"), 1e-3},
+                 {DUG("{\"type\":\"chip\",\"node\":\"plate\",\"at\":[0,0,0],\"size\":2e-3,"
+                      "\"depth\":1.3397459621556135e-4}"),
+                  1e-3},
+                 {DUG("{\"type\":\"dent\",\"node\":\"plate\",\"at\":[0,0,0],\"size\":1e-3}"),
+                  2 * 0.25e-3 * 3.0348542587702925}};
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        write_file("dug.gltf", cases[i].rig);
+        if (i == 0)
+            program_well(
+                "render dug.gltf --device reference --spp 8 --parts replicates -o dug.exr");
+        json_t *report =
+            program_json("detect dug.exr dug.exr --expose-to 0.5 --json --rig dug.gltf "
+                         "--truth truth.png");
+        const double r = cases[i].diameter / 2 / 50e-6, wanted = M_PI * r * r,
+                     tolerance = 2 * M_SQRT2 * M_PI * r / 8 + wanted / 1024,
+                     area = number_at(report, "truth/area");
+        if (!(fabs(area - wanted) < tolerance))
+            fail_msg("%zu: %g pixels, must be %g within %g", i, area, wanted, tolerance);
+        assert_true(number_at(report, "truth/pixels") >= area);
+        assert_true(number_at(report, "truth/visible") == 0);
+        json_decref(report);
+        assert_int_equal(access("truth.png", F_OK), 0);
+    }
+    program_fails("detect dug.exr dug.exr --expose-to 0.5 --truth t.png", 2, "--rig is missing");
+    program_fails("detect with.exr with.exr --expose-to 0.5 --rig sky.gltf", 3, "has no defect");
+    program_fails("detect dug.exr dug.exr --expose-to 0.5 --rig dug.gltf --truth t.jpg", 2, ".png");
+}
+
 static void refuses_bad_input(void **state) {
     (void)state;
     program_fails("detect with.exr small.exr --expose-to 0.5", 3, "16 x 12 pixels");
@@ -89,8 +147,8 @@ static void refuses_bad_input(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(tells_the_closed_form),
-                                       cmocka_unit_test(the_library_gives_sigmas),
-                                       cmocka_unit_test(refuses_bad_input)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(tells_the_closed_form), cmocka_unit_test(the_library_gives_sigmas),
+        cmocka_unit_test(tells_which_pixels_see_it), cmocka_unit_test(refuses_bad_input)};
     return cmocka_run_group_tests(tests, make_pictures, leave_folder);
 }

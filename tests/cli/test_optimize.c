@@ -82,6 +82,18 @@ static void test_resumes(void **state) {
     program_fails(LAMP "--evaluations 41 --resume", 3, "--evaluations differs");
 }
 
+/* The brightest lamp that saturates nothing would be the nearest; the light is to stay below half
+ * of what the nearest brings. Four standard uncertainties of the margin of fresh renders. */
+static void test_requirements(void **state) {
+    (void)state;
+    json_t *report = program_json(LAMP "--require 'mean<=60-0*x' --evaluations 40 --json");
+    const double margin = number_at(report, "winner/requirements/0/margin"),
+                 u = number_at(report, "winner/requirements/0/uncertainty");
+    assert_true(margin <= 4 * u);
+    assert_true(fabs(number_at(report, "winner/objectives/mean/value") - 60 - margin) < 1e-6 * 60);
+    json_decref(report);
+}
+
 /* Light at the middle against distance: the nearest lamps are the brightest. */
 static void test_two_objectives(void **state) {
     (void)state;
@@ -109,6 +121,10 @@ static void test_bad_input(void **state) {
     program_fails(FROM "--objective mean=largest --objective mean=smallest", 2, "is one already");
     program_fails(FROM "--objective mean=largest --better mean=-1", 2, "must be NAME=");
     program_fails(FROM "--objective mean=largest --evaluations 5", 2, "must be 20 or more");
+    program_fails(FROM "--objective mean=largest --require mean", 2, "one comparison");
+    program_fails(FROM "--objective mean=largest --require '1<mean<2'", 2, "one comparison");
+    program_fails(FROM "--objective mean=largest --require 'men<2'", 2,
+                  "there is no metric or parameter \"men\"");
     program_fails(FROM "--objective mean=largest --where 'y>1'", 2, "there is no parameter");
     program_fails(FROM "--objective mean=largest --where 'x>2'", 3, "constraints allow none");
     program_fails(FROM "--objective mean=largest --spp 4 --region "
@@ -117,8 +133,8 @@ static void test_bad_input(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {FRESH(test_the_lamp, scene), FRESH(test_resumes, scene),
-                                       FRESH(test_two_objectives, scene),
-                                       FRESH(test_bad_input, scene)};
+    const struct CMUnitTest tests[] = {
+        FRESH(test_the_lamp, scene), FRESH(test_resumes, scene), FRESH(test_two_objectives, scene),
+        FRESH(test_requirements, scene), FRESH(test_bad_input, scene)};
     return cmocka_run_group_tests(tests, enter_folder, leave_folder);
 }

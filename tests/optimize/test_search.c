@@ -411,6 +411,70 @@ static void test_front(void **state) {
     mcv_search_free(&r);
 }
 
+/* --- requirements --- */
+
+/* The corner (1, 1) lies outside of the circle: the nearest point of the disc x² + y² <= 1 is
+ * (√½, √½), with 2 (1 - √½)² = 0.1716. Values and margins are noisy. */
+static mcv_result evaluate_in_disc(void *user, mcv_evaluation *e, mcv_error *error) {
+    noisy *n = user;
+    mcv_noise noise = mcv_noise_begin(n->run, 33, e->seed);
+    const double x = e->values[0], y = e->values[1];
+    (void)error;
+    ++n->calls;
+    e->results[0] = (x - 1) * (x - 1) + (y - 1) * (y - 1) + n->noise * mcv_noise_normal(&noise);
+    e->margins[0] = x * x + y * y - 1 + n->noise * mcv_noise_normal(&noise);
+    e->errors[0] = e->margin_errors[0] = n->noise;
+    return MCV_OK;
+}
+
+/* The mean of the winner's 16 or so fresh margins has an error of a quarter of the noise: at the
+ * limit it may be missed by four of these, 0.01, as far as the objective gains: its slope there is
+ * 0.41 of the margin's. */
+static void meets_requirements(void **state) {
+    const double least = 2 * (1 - M_SQRT1_2) * (1 - M_SQRT1_2);
+    (void)state;
+    for (uint32_t run = 1; run <= 4; ++run) {
+        noisy n = {.noise = 0.01, .run = run};
+        mcv_search search = search_of(&n, cube, 2, 80);
+        mcv_search_result result;
+        search.evaluate = evaluate_in_disc;
+        search.requirements = 1;
+        search.better[0] = 0.02;
+        search_well(&search, &result);
+        const double *v = result.winner.point.values, margin = v[0] * v[0] + v[1] * v[1] - 1,
+                     value = (v[0] - 1) * (v[0] - 1) + (v[1] - 1) * (v[1] - 1);
+        print_message("%u: %g at %g, %g: margin %g, %zu calls\n", run, value, v[0], v[1], margin,
+                      n.calls);
+        assert_true(result.winner.point.margins[0] <= 0.01);
+        if (!(margin < 0.01)) fail_msg("run %u: the requirement is missed by %g", run, margin);
+        if (!(value < least + 0.03)) fail_msg("run %u: %g, must be %g", run, value, least);
+        mcv_search_free(&result);
+    }
+}
+
+/* No point of the square has x + y > 3. */
+static mcv_result evaluate_out_of_reach(void *user, mcv_evaluation *e, mcv_error *error) {
+    (void)user;
+    (void)error;
+    e->results[0] = e->values[0];
+    e->margins[0] = 3 - e->values[0] - e->values[1];
+    e->errors[0] = e->margin_errors[0] = 0.001;
+    return MCV_OK;
+}
+
+static void says_where_requirements_cannot_be_met(void **state) {
+    noisy n = {.run = 1};
+    mcv_search search = search_of(&n, cube, 2, 30);
+    mcv_search_result result;
+    mcv_error error = {""};
+    (void)state;
+    search.evaluate = evaluate_out_of_reach;
+    search.requirements = 1;
+    assert_int_equal(mcv_search_run(&search, &result, &error), MCV_FAILED);
+    assert_non_null(strstr(error.text, "seems to meet the requirements"));
+    mcv_search_free(&result);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_the_process),
                                        cmocka_unit_test(test_draws),
@@ -422,6 +486,8 @@ int main(void) {
                                        cmocka_unit_test(test_lists),
                                        cmocka_unit_test(test_failures),
                                        cmocka_unit_test(test_interrupted),
-                                       cmocka_unit_test(test_front)};
+                                       cmocka_unit_test(test_front),
+                                       cmocka_unit_test(meets_requirements),
+                                       cmocka_unit_test(says_where_requirements_cannot_be_met)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
