@@ -2,21 +2,23 @@
 /* The probability of detection of the public interface. */
 #include "verbs/pod.h"
 
-#include "api/handles.h"
+#include "api/experiments.h"
 #include "core/output_file.h"
 #include "pod/common_noise.h"
 #include "pod/page.h"
+#include "pod/pictures.h"
 
 #include <stdlib.h>
 
-static mcv_result study_columns(const mcv_command *command, const char *table,
+static mcv_result study_columns(const mcv_command *command, const char *table, const char *pictures,
                                 const mcv_column_names *names, bool hits,
                                 const mcv_columns *columns, char **report, mcv_error *error) {
     const mcv_pod_page page = {.table = table,
                                .size_name = names->size,
                                .value_name = names->value,
                                .title = command->pod_title,
-                               .note = command->pod_note};
+                               .note = command->pod_note,
+                               .pictures = pictures};
     mcv_pod_asked asked;
     mcv_pod_study study;
     mcv_report r;
@@ -44,25 +46,25 @@ static mcv_result study_columns(const mcv_command *command, const char *table,
     return result;
 }
 
-static mcv_result study_table(const mcv_command *command, const char *table, char **report,
-                              mcv_error *error) {
+static mcv_result study_table(const mcv_command *command, const char *table, const char *pictures,
+                              char **report, mcv_error *error) {
     mcv_column_names names;
     mcv_columns columns;
     bool hits;
     MCV_TRY(mcv_pod_names_of(command, &names, &hits, error));
     mcv_result result = mcv_columns_read(table, &names, &columns, error);
     if (result == MCV_OK)
-        result = study_columns(command, table, &names, hits, &columns, report, error);
+        result = study_columns(command, table, pictures, &names, hits, &columns, report, error);
     mcv_columns_free(&columns);
     return result;
 }
 
-static mcv_result pod_table(const char *table, const char *options, char **report,
-                            mcv_error *error) {
+static mcv_result pod_table(const char *table, const char *options, const char *pictures,
+                            char **report, mcv_error *error) {
     const char *const arguments[2] = {table};
     mcv_options_given given;
     MCV_TRY(mcv_options_read(options, NULL, MCV_VERB_POD, arguments, NULL, &given, error));
-    const mcv_result result = study_table(&given.command, table, report, error);
+    const mcv_result result = study_table(&given.command, table, pictures, report, error);
     mcv_options_free(&given);
     return result;
 }
@@ -72,7 +74,7 @@ mcv_result mcv_pod_table(const char *table, const char *options, char **report, 
     MCV_NEED(report);
     *report = NULL;
     MCV_NEED(table);
-    MCV_INSIDE(result, pod_table(table, options, report, error));
+    MCV_INSIDE(result, pod_table(table, options, NULL, report, error));
     return result;
 }
 
@@ -82,8 +84,8 @@ static mcv_result pod_values(const mcv_columns *columns, bool hits, const char *
     const char *const arguments[2] = {"values"};
     mcv_options_given given;
     MCV_TRY(mcv_options_read(options, NULL, MCV_VERB_POD, arguments, without, &given, error));
-    const mcv_result result = study_columns(&given.command, NULL, &(mcv_column_names){NULL}, hits,
-                                            columns, report, error);
+    const mcv_result result = study_columns(&given.command, NULL, NULL, &(mcv_column_names){NULL},
+                                            hits, columns, report, error);
     mcv_options_free(&given);
     return result;
 }
@@ -155,16 +157,33 @@ static mcv_result experiment_read(const char *options, experiment *e, mcv_error 
                                 : mcv_fail(error, MCV_FAILED, "no memory for the options");
 }
 
+/* Renders what the table lacks; *pictures becomes what the page shows of it. */
+static mcv_result run_study(const mcv_experiment *asked, const mcv_command *command,
+                            char **pictures, mcv_error *error) {
+    mcv_sweep s;
+    (void)command;
+    mcv_result result = mcv_experiment_plan(asked, &s, error);
+    if (result == MCV_OK) result = mcv_experiment_open_table(&s, error);
+    if (result == MCV_OK) result = mcv_experiment_run(&s, error);
+    if (result == MCV_OK) result = mcv_experiment_finished(&s, error);
+    if (result == MCV_OK) result = mcv_pod_pictures(&s, pictures, error);
+    mcv_experiment_free(&s);
+    return result;
+}
+
 mcv_result mcv_session_pod(mcv_session *session, const mcv_rig *rig, const char *options,
                            mcv_told_call *told, void *user, char **report, mcv_error *error) {
     experiment e = {NULL};
+    char *pictures = NULL;
     mcv_result result;
     MCV_NEED(report);
     *report = NULL;
     MCV_INSIDE(result, experiment_read(options, &e, error));
     if (result == MCV_OK)
-        result = mcv_session_sweep(session, rig, e.sweep, told, user, NULL, error);
-    if (result == MCV_OK) result = mcv_pod_table(e.table, e.study, report, error);
+        result = mcv_session_experiment(session, rig, MCV_VERB_SWEEP, e.sweep, run_study, told,
+                                        user, &pictures, error);
+    if (result == MCV_OK) MCV_INSIDE(result, pod_table(e.table, e.study, pictures, report, error));
+    free(pictures);
     experiment_free(&e);
     return result;
 }

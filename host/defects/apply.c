@@ -20,8 +20,9 @@ static mcv_result refine(const mcv_ground *ground, uint8_t *const *marks, mcv_fa
     for (uint32_t i = first; i < ground->defect->instances[1]; ++i) {
         const uint32_t count = scene->meshes[scene->instances[i].mesh].triangle_count;
         for (uint32_t t = 0; t < count; ++t) {
-            mcv_facet facet = mcv_facet_take(scene, i, t);
             uint8_t *marked = &marks[i - first][t];
+            if (!*marked && mcv_ground_spares(ground, i, t)) continue;
+            mcv_facet facet = mcv_facet_take(scene, i, t);
             facet.inside = *marked;
             for (int k = 0; k < 3 && !*marked; ++k)
                 *marked =

@@ -58,6 +58,9 @@ double mcv_ground_triangle_distance(const mcv_ground *ground, const double corne
  * False may be wrong, true is not. */
 bool mcv_ground_is_far(const mcv_ground *ground, const double p[3], double reach, double beyond);
 
+/* Beyond the fine part edges may grow by this share of their distance. */
+#define MCV_GRADING 0.5
+
 /* Must the edge between two corners be halved? */
 bool mcv_ground_splits(const mcv_ground *ground, uint32_t instance, const mcv_corner *a,
                        const mcv_corner *b);
@@ -67,6 +70,9 @@ mcv_corner mcv_corner_between(const mcv_corner *a, const mcv_corner *b, double t
 
 /* -1, 0 or 1: an order of positions, in which both sides of an edge run along it. */
 int mcv_corner_compare(const mcv_corner *a, const mcv_corner *b);
+
+/* Whether no edge of the triangle need be halved, at a quick look: true is right. */
+bool mcv_ground_spares(const mcv_ground *ground, uint32_t instance, uint32_t triangle);
 
 /* Halves edges of the facet until none is too long; appends what remains. More than `most` facets
  * are MCV_BAD_INPUT. */

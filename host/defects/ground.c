@@ -86,6 +86,14 @@ static double longest_side(const double c[3][3]) {
     return most * M_SQRT2;
 }
 
+bool mcv_ground_spares(const mcv_ground *ground, uint32_t instance, uint32_t triangle) {
+    double c[3][3];
+    local_corners(ground, instance, triangle, c);
+    const double rise = fmax(fabs(c[1][2] - c[0][2]), fabs(c[2][2] - c[0][2])),
+                 side = longest_side((const double(*)[3])c), longest = 2 * (side + rise);
+    return mcv_ground_is_far(ground, c[0], side, longest / MCV_GRADING);
+}
+
 static bool find_candidates(search *s) {
     const mcv_ground *ground = s->ground;
     const mcv_scene *scene = ground->scene;

@@ -111,9 +111,12 @@ static spot nearest_spot(const mcv_scene *scene, const uint32_t instances[2], co
             mcv_scene_corners(scene, i, t, c);
             nearest_in_triangle((const double(*)[3])c, p, one.weights);
             combine((const double(*)[3])c, one.weights, one.point);
-            one.distance =
-                hypot(hypot(one.point[0] - p[0], one.point[1] - p[1]), one.point[2] - p[2]);
-            if (one.distance < best.distance) best = one;
+            double off[3];
+            for (int k = 0; k < 3; ++k) off[k] = one.point[k] - p[k];
+            if (dot(off, off) < 1.000001 * best.distance * best.distance) {
+                one.distance = hypot(hypot(off[0], off[1]), off[2]);
+                if (one.distance < best.distance) best = one;
+            }
             for (int k = 0; k < 9; ++k) *size = fmax(*size, fabs(c[k / 3][k % 3]));
         }
     }

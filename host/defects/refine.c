@@ -75,9 +75,6 @@ bool mcv_ground_is_far(const mcv_ground *ground, const double p[3], double reach
 
 /* --- halving --- */
 
-/* Beyond the fine part edges may grow by this share of their distance. */
-static const double grading = 0.5;
-
 static int compare_positions(const float a[3], const float b[3]) {
     for (int i = 0; i < 3; ++i)
         if (a[i] != b[i]) return a[i] < b[i] ? -1 : 1;
@@ -102,11 +99,11 @@ bool mcv_ground_splits(const mcv_ground *ground, uint32_t instance, const mcv_co
     mcv_ground_point(ground, instance, (order < 0 ? b : a)->position, q);
     if (fmin(p[2], q[2]) > ground->high || fmax(p[2], q[2]) < ground->low) return false;
     const double u = fabs(q[0] - p[0]), v = fabs(q[1] - p[1]), most = u + v + fabs(q[2] - p[2]);
-    if (mcv_ground_is_far(ground, p, u + v, most / grading)) return false;
+    if (mcv_ground_is_far(ground, p, u + v, most / MCV_GRADING)) return false;
     const double length = hypot(hypot((q[0] - p[0]) / f->stretch, q[1] - p[1]), q[2] - p[2]);
     if (length <= f->edge) return false;
     const double beyond = fmax(0, mcv_ground_edge_distance(ground, p, q) - f->fine);
-    return length > f->edge + grading * beyond;
+    return length > f->edge + MCV_GRADING * beyond;
 }
 
 int mcv_corner_compare(const mcv_corner *a, const mcv_corner *b) {

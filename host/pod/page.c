@@ -176,6 +176,7 @@ static bool put_page(FILE *out, void *user) {
     if (s->asked.signals)
         mcv_pod_put_signals(out, s, size, page->value_name ? page->value_name : "signal");
     fputs("</div>\n", out);
+    if (page->pictures) fputs(page->pictures, out);
     put_sizes(out, s);
     put_false_calls(out, s);
     put_basis(out, s);

@@ -11,6 +11,7 @@ typedef struct mcv_pod_page {
     const char *table;                  /* the file of the rows */
     const char *size_name, *value_name; /* of the columns; NULL: size, signal or hit */
     const char *title, *note;           /* the heading, and a sentence below it */
+    const char *pictures;               /* HTML that stands behind the curves (pod/pictures.h) */
 } mcv_pod_page;
 
 /* Writes it; the file appears whole or not at all. The date is today's, or that of

@@ -46,6 +46,48 @@ static void test_study(void **state) {
     program_well("pod other.csv --size radiance --signal grey --threshold 1000 --size-unit none");
 }
 
+/* A mirror-like plate with a dent before a sky of one radiance: pictures of three sizes, with and
+ * without, and their differences; then the set-up. */
+static const char dented[] =
+    "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0,1,2]}],"
+    "\"extensionsUsed\":[\"MCVISI_defects\",\"MCVISI_emitters\",\"MCVISI_sensors\"],"
+    "\"extensions\":{\"MCVISI_sensors\":{\"sensors\":[{\"name\":\"cam\",\"type\":"
+    "\"telecentric\",\"magnification\":1,\"workingDistance\":0.1,\"fNumber\":8,"
+    "\"resolution\":[16,12],\"pixelSize\":2e-4}]},\"MCVISI_emitters\":{\"emitters\":[{"
+    "\"name\":\"sky\",\"type\":\"environment\",\"radiance\":1}]},"
+    "\"MCVISI_defects\":{\"defects\":[{\"name\":\"nick\",\"type\":\"dent\",\"node\":"
+    "\"plate\",\"at\":[0,0,0],\"size\":1e-3}]}},"
+    "\"buffers\":[{\"byteLength\":60,\"uri\":\"data:application/octet-stream;base64,"
+    "CtejvArXo7wAAAAACtejPArXo7wAAAAACtejPArXozwAAAAACtejvArXozwAAAAAAAABAAIAAAACAAMA\"}],"
+    "\"bufferViews\":[{\"buffer\":0,\"byteLength\":48},{\"buffer\":0,\"byteOffset\":48,"
+    "\"byteLength\":12}],\"accessors\":[{\"bufferView\":0,\"componentType\":5126,"
+    "\"count\":4,\"type\":\"VEC3\",\"min\":[-0.02,-0.02,0],\"max\":[0.02,0.02,0]},"
+    "{\"bufferView\":1,\"componentType\":5123,\"count\":6,\"type\":\"SCALAR\"}],"
+    "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1}]}],"
+    "\"nodes\":[{\"name\":\"plate\",\"mesh\":0},{\"name\":\"cam\",\"translation\":"
+    "[0,0,0.1],\"extensions\":{\"MCVISI_sensors\":{\"sensor\":0}}},{\"name\":\"sky\","
+    "\"extensions\":{\"MCVISI_emitters\":{\"emitter\":0}}}]}";
+
+static void test_pictures(void **state) {
+    (void)state;
+    write_file("d.gltf", dented);
+    write_file(
+        "dents.json",
+        "{\"rig\": \"d.gltf\", \"vary\": \"defects/nick/size=0.5mm..1.4mm:10\", "
+        "\"metric\": \"dark:=1-mean\", \"spp\": 8, \"pod\": {\"size\": \"size\", \"signal\": "
+        "\"dark\", \"threshold\": \"0.502\"}}");
+    program_well("pod dents.json");
+    const char *page = read_whole("dents-pod.html");
+    size_t pictures = 0;
+    for (const char *at = page; (at = strstr(at, "data:image/png;base64,")); ++at) ++pictures;
+    assert_int_equal(pictures, 9);
+    const char *seen = strstr(page, "What the camera sees"), *setup = strstr(page, "The set-up");
+    assert_true(seen && setup && seen < setup && strstr(setup, "<svg"));
+    assert_non_null(strstr(page, "<th>0.0005<td>"));
+    assert_non_null(strstr(page, "<th>0.0009<td>"));
+    assert_non_null(strstr(page, "<th>0.0014<td>"));
+}
+
 /* With common random numbers all sets have one noise: that of one pixel does not scatter. */
 static void test_common_noise(void **state) {
     (void)state;
@@ -103,9 +145,8 @@ static void test_wrong_files(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        FRESH(test_study, scene),
-        FRESH(test_common_noise, scene),
-        FRESH(test_program, scene),
+        FRESH(test_pictures, scene),     FRESH(test_study, scene),
+        FRESH(test_common_noise, scene), FRESH(test_program, scene),
         FRESH(test_wrong_files, scene),
     };
     return cmocka_run_group_tests(tests, enter_folder, leave_folder);
