@@ -118,3 +118,21 @@ mcv_result mcv_verb_deflection(const mcv_command *command, mcv_error *error) {
     free(options);
     return result;
 }
+
+mcv_result mcv_verb_inverse(const mcv_command *command, mcv_error *error) {
+    mcv_transport *transport = NULL;
+    mcv_picture *pattern = NULL;
+    char *options = NULL, *report = NULL;
+    if (!command->inverse && !command->inverse_png)
+        return mcv_fail(error, MCV_USAGE,
+                        "--output is missing: give the file of the pattern, as in -o pattern.exr");
+    mcv_result result = mcv_client_options(command, NULL, &options, error);
+    if (result == MCV_OK) result = mcv_transport_read(command->argument, &transport, error);
+    if (result == MCV_OK)
+        result = mcv_transport_inverse(transport, options, &pattern, &report, error);
+    if (result == MCV_OK) result = mcv_client_print(report, command->json, error);
+    mcv_picture_free(pattern);
+    mcv_transport_free(transport);
+    free(options);
+    return result;
+}

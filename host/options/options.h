@@ -9,6 +9,7 @@
 #include "options/options_deflection.h"
 #include "options/options_detect.h"
 #include "options/options_experiment.h"
+#include "options/options_inverse.h"
 #include "options/options_lightfield.h"
 #include "options/options_exec.h"
 #include "options/options_long.h"
@@ -70,6 +71,9 @@
     X(deflection, DEFLECTION, "deflection", "MATRIX.npz|SCENE", \
       "show how a transparent part turns light aside: at each place the histogram of its " \
       "directions, their mean and covariance, and the light that is lost") \
+    X(inverse, INVERSE, "inverse-pattern", "MATRIX.npz", \
+      "make the pattern under which a flawless part looks even and defects stand out, from the " \
+      "part's light transport matrix") \
     X(explain, EXPLAIN, "explain", "SCENE", \
       "list the paths that make a pixel: which surfaces they meet, which emitter they come from, " \
       "and their shares of its light") \
@@ -323,6 +327,7 @@ enum {
     MCV_POD_OPTIONS(X) \
     MCV_TRANSPORT_OPTIONS(X) \
     MCV_DEFLECTION_OPTIONS(X) \
+    MCV_INVERSE_OPTIONS(X) \
     MCV_DEFECT_OPTIONS(X) \
     MCV_DETECT_OPTIONS(X) \
     X(list, set, "set", 0, "PATH=VALUE", MCV_IN_SCENES | MCV_IN_RELIGHT | MCV_IN_DETECT, NULL, 0, \
@@ -343,7 +348,7 @@ enum {
       MCV_IN_RENDERS | MCV_IN_MERGE | MCV_IN_NEW | MCV_IN_CHECK | MCV_IN_COMPARE | MCV_IN_CAMERA | \
           MCV_IN_CAMERA_MODEL | MCV_IN_MEASURE | MCV_IN_POD | MCV_IN_LIGHTFIELD | MCV_IN_IMPORT | \
           MCV_IN_DEVICES | MCV_IN_HELP | MCV_IN_DEFECT | MCV_IN_DETECT | MCV_IN_TRANSPORT | \
-          MCV_IN_RELIGHT | MCV_IN_DEFLECTION | MCV_IN_EXPLAIN, \
+          MCV_IN_RELIGHT | MCV_IN_DEFLECTION | MCV_IN_INVERSE | MCV_IN_EXPLAIN, \
       NULL, 0, 0, \
       "print JSON in SI units; render prints one object per sensor, each on one line; help " \
       "prints a schema of the options")

@@ -31,12 +31,12 @@
     X(choice, fit, "fit", 0, "none|uniform|contrast", MCV_IN_RELIGHT, "none", 0, 0, \
       "find the weights of the emitters, 0 or more, that make the region as even as can be, or " \
       "make it stand out most of the background") \
-    X(text, lit_region, "region", 0, "X,Y,W,H", MCV_IN_RELIGHT, NULL, 0, 0, \
+    X(text, lit_region, "region", 0, "X,Y,W,H", MCV_IN_RELIGHT | MCV_IN_INVERSE, NULL, 0, 0, \
       "region of the image, in pixels from the top-left corner: a rectangle, a polygon " \
       "X,Y,X,Y,X,Y,… or an image F.png, whose pixels above 0 belong to it; for --fit, by " \
       "default the whole image; it is measured, too") \
-    X(text, lit_background, "background", 0, "X,Y,W,H", MCV_IN_RELIGHT, NULL, 0, 0, \
-      "region that the other one stands out of") \
+    X(text, lit_background, "background", 0, "X,Y,W,H", MCV_IN_RELIGHT | MCV_IN_INVERSE, NULL, 0, \
+      0, "region that the other one stands out of") \
     X(text, pixel, "pixel", 0, "X,Y", MCV_IN_EXPLAIN, NULL, 0, 0, \
       "column and row of the pixel, from 0,0 in the top left corner") \
     X(count, pixel_samples, "spp", 0, "N", MCV_IN_EXPLAIN, "16384", 16, 1ull << 32, \

@@ -568,6 +568,15 @@ MCV_API mcv_result mcv_transport_deflection(const mcv_transport *transport,
                                             mcv_picture **picture, mcv_picture **histogram,
                                             char **report, mcv_error *error);
 
+/*
+ * The pattern under which the flawless part of the matrix looks even, by options of `mcvisi
+ * inverse-pattern`. *pattern has a pixel for each of the emitter, from 0 to 1, and the part
+ * "error". *report may be NULL; it has the figures of "region" for the flawless part, and for that
+ * of "defect".
+ */
+MCV_API mcv_result mcv_transport_inverse(const mcv_transport *transport, const char *options,
+                                         mcv_picture **pattern, char **report, mcv_error *error);
+
 MCV_API void mcv_transport_free(mcv_transport *transport);
 
 #ifdef __cplusplus

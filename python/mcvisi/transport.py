@@ -189,6 +189,27 @@ class Transport(Handle):
             Image._of(histogram[0], {}),
         )
 
+    def inverse_pattern(
+        self,
+        method: str = "replay",
+        field: str = "bright",
+        emitter: str | None = None,
+        bits: int = 8,
+        damping: float | None = None,
+    ) -> Image:
+        """
+        The pattern, from 0 to 1, under which the part of this matrix looks even, with its error.
+
+        method: "replay" or "least-squares". field: "bright", or "dark", the complement. relight
+        takes the pattern, also of the matrix of another part: relight({emitter: pattern}).
+        """
+        picture, report = ffi.new("mcv_picture **"), ffi.new("char **")
+        given: dict[str, Any] = {"method": method, "field": field, "emitter": emitter, "bits": bits}
+        given.update({"damping": damping, "json": True})
+        options = options_json({key: value for key, value in given.items() if value is not None})
+        call("mcv_transport_inverse", self._get(), options, picture, report)
+        return Image._of(picture[0], json.loads(take_text(report) or "{}"))
+
     def _values(self, pattern: Any) -> "numpy.ndarray[Any, Any]":
         import numpy
 

@@ -137,3 +137,19 @@ def test_deflection(transport):
     assert np.array_equal(np.asarray(same), np.zeros((10, 40, 2)))
     with pytest.raises(mv.Error, match="the matrix has no directions"):
         transport.deflection()
+
+
+def test_inverse_pattern(transport):
+    """Least squares make the image of the pattern more even than white does."""
+    pattern = transport.inverse_pattern("least-squares", bits=0)
+    assert pattern.shape == (1, 64) and pattern.error.shape == (1, 64)
+    assert np.asarray(pattern).max() == 1 and np.asarray(pattern).min() >= 0
+    even = np.asarray(transport.relight({"projector": np.asarray(pattern)[:, :, None]}))
+    white = np.asarray(transport.relight({"projector": 1}))
+    lit = white > 0
+    assert even[lit].std() / even[lit].mean() < white[lit].std() / white[lit].mean()
+    dark = transport.inverse_pattern(field="dark")
+    shown = transport.relight({"projector": np.asarray(dark)[:, :, None]})
+    assert not np.asarray(shown).any()
+    with pytest.raises(mv.Error, match="the matrix has pixels of"):
+        transport.inverse_pattern(emitter="sun")
