@@ -8,8 +8,7 @@
  * At the end it writes to MCV_CL_COUNT how often each function was called ("call NAME COUNT") and
  * how many references to each kind of object are left ("left KIND COUNT").
  */
-#include <CL/cl.h>
-#include <CL/cl_layer.h>
+#include "cl_layer.h"
 
 #include <stdatomic.h>
 #include <stdbool.h>
@@ -199,33 +198,18 @@ static void *CL_API_CALL layer_clEnqueueMapBuffer(cl_command_queue q, cl_mem m, 
     return next->clEnqueueMapBuffer(q, m, b, f, offset, n, WAITED, code);
 }
 
-cl_int CL_API_CALL clGetLayerInfo(cl_layer_info param_name, size_t param_value_size,
-                                  void *param_value, size_t *param_value_size_ret) {
-    const cl_layer_api_version version = CL_LAYER_API_VERSION_100;
-    if (param_name != CL_LAYER_API_VERSION || (param_value && param_value_size < sizeof version))
-        return CL_INVALID_VALUE;
-    if (param_value) memcpy(param_value, &version, sizeof version);
-    if (param_value_size_ret) *param_value_size_ret = sizeof version;
-    return CL_SUCCESS;
-}
-
 static long number_of(const char *variable, long otherwise) {
     const char *text = getenv(variable);
     return text ? strtol(text, NULL, 10) : otherwise;
 }
 
-cl_int CL_API_CALL clInitLayer(cl_uint num_entries, const struct _cl_icd_dispatch *target_dispatch,
-                               cl_uint *num_entries_ret,
-                               const struct _cl_icd_dispatch **layer_dispatch_ret) {
-    if (!target_dispatch || !num_entries_ret || !layer_dispatch_ret ||
-        num_entries < sizeof ours / sizeof(void *))
-        return CL_INVALID_VALUE;
+const struct _cl_icd_dispatch *layer_begin(const struct _cl_icd_dispatch *target) {
     fault = getenv("MCV_CL_FAULT");
     fault_at = number_of("MCV_CL_AT", 0);
     code_of_fault = (cl_int)number_of("MCV_CL_ERROR", CL_OUT_OF_RESOURCES);
     stays = getenv("MCV_CL_STAYS") != NULL;
-    next = target_dispatch;
-    ours = *target_dispatch;
+    next = target;
+    ours = *target;
 #define PLAIN_ENTRY(name, parameters, arguments) ours.name = layer_##name;
 #define MAKE_ENTRY(kind, name, type, parameters, arguments) ours.name = layer_##name;
 #define REFERENCE_ENTRY(kind, name, type, change) ours.name = layer_##name;
@@ -235,9 +219,7 @@ cl_int CL_API_CALL clInitLayer(cl_uint num_entries, const struct _cl_icd_dispatc
     REFERENCES(REFERENCE_ENTRY)
     ours.clEnqueueFillBuffer = (void *)layer_clEnqueueFillBuffer;
     ours.clEnqueueMapBuffer = layer_clEnqueueMapBuffer;
-    *num_entries_ret = sizeof ours / sizeof(void *);
-    *layer_dispatch_ret = &ours;
-    return CL_SUCCESS;
+    return &ours;
 }
 
 __attribute__((destructor)) static void finish(void) {

@@ -113,8 +113,8 @@ static size_t rows_of(const char *path) {
  * per core, and all that the first thread does is between them. Where more programs want to run
  * than there are cores, this alone is judged.
  */
-#ifdef __SANITIZE_ADDRESS__
-static const double most = INFINITY; /* it slows the host, and not the stages: the driver's code */
+#if defined __SANITIZE_ADDRESS__ || defined __SANITIZE_THREAD__
+static const double most = INFINITY; /* they slow the host, and not the stages: the driver's code */
 #else
 static const double most = 1.3;
 #endif
