@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "analysis/lightfield.h"
 
+#include "analysis/noise.h"
+
 #include <math.h>
 #include <pthread.h>
 #include <stdatomic.h>
@@ -77,6 +79,7 @@ mcv_result mcv_light_field_plain(const mcv_image *image, const uint32_t angular[
 
 typedef struct gradient_job {
     const mcv_image *image;
+    const mcv_image *errors; /* of the noise floor; NULL: the gradient itself */
     const uint32_t *angular;
     mcv_emd_form form;
     double unit; /* of mass */
@@ -113,16 +116,71 @@ static double distance(const worker *w, uint32_t m0, uint32_t n0, uint32_t m1, u
     return mcv_emd_distance(w->emd, w->p, w->q, w->job->form, NULL);
 }
 
+/* --- noise floor --- */
+
+enum { DRAWS = 4 };
+
+/* The square root of the sum of the channels' squared errors, in units of mass. */
+static double error_of(const gradient_job *job, uint32_t column, uint32_t row) {
+    const size_t plane = (size_t)job->errors->width * job->errors->height;
+    double sum = 0;
+    for (uint32_t c = 0; c < job->errors->channels; ++c) {
+        const double e = job->errors->pixels[c * plane + (size_t)row * job->errors->width + column];
+        sum += isfinite(e) ? e * e : 0;
+    }
+    return sqrt(sum) / job->unit;
+}
+
+/* Adds the noise of macro pixel (m, n) to a histogram; negative values count as 0. */
+static void disturb(const gradient_job *job, uint32_t m, uint32_t n, mcv_noise *noise,
+                    double *histogram) {
+    const uint32_t *angular = job->angular;
+    for (uint32_t bin = 0; bin < angular[0] * angular[1]; ++bin) {
+        const uint32_t j = bin % angular[0], k = bin / angular[0];
+        histogram[bin] =
+            fmax(0, histogram[bin] + error_of(job, m * angular[0] + j, n * angular[1] + k) *
+                                         mcv_noise_normal(noise));
+    }
+}
+
+/* The distance of two draws about the mean of both histograms. */
+static double noise_distance(const worker *w, mcv_noise *noise, uint32_t m0, uint32_t n0,
+                             uint32_t m1, uint32_t n1) {
+    const gradient_job *job = w->job;
+    gather(job, m0, n0, w->p);
+    gather(job, m1, n1, w->q);
+    for (uint32_t bin = 0; bin < job->angular[0] * job->angular[1]; ++bin)
+        w->p[bin] = w->q[bin] = 0.5 * (w->p[bin] + w->q[bin]);
+    disturb(job, m0, n0, noise, w->p);
+    disturb(job, m1, n1, noise, w->q);
+    return mcv_emd_distance(w->emd, w->p, w->q, job->form, NULL);
+}
+
+static double floor_at(const worker *w, uint32_t m, uint32_t n) {
+    double sum = 0;
+    for (uint32_t draw = 0; draw < DRAWS; ++draw) {
+        mcv_noise noise = mcv_noise_begin(draw, 0, (uint64_t)n * w->job->gradient->width + m);
+        const double x = noise_distance(w, &noise, m - 1, n, m + 1, n),
+                     y = noise_distance(w, &noise, m, n - 1, m, n + 1);
+        sum += 0.5 * hypot(x, y);
+    }
+    return sum / DRAWS;
+}
+
+/* --- threads --- */
+
+static double gradient_at(const worker *w, uint32_t m, uint32_t n) {
+    if (w->job->errors) return floor_at(w, m, n);
+    return 0.5 * hypot(distance(w, m - 1, n, m + 1, n), distance(w, m, n - 1, m, n + 1));
+}
+
 static void *run_worker(void *user) {
     const worker *w = user;
     mcv_image *g = w->job->gradient;
     for (uint32_t n; (n = atomic_fetch_add(&w->job->next_row, 1)) < g->height;) {
         for (uint32_t m = 0; m < g->width; ++m) {
             const bool border = m == 0 || n == 0 || m + 1 == g->width || n + 1 == g->height;
-            g->pixels[(size_t)n * g->width + m] =
-                border ? NAN
-                       : (float)(0.5 * hypot(distance(w, m - 1, n, m + 1, n),
-                                             distance(w, m, n - 1, m, n + 1)));
+            g->pixels[(size_t)n * g->width + m] = border ? NAN : (float)gradient_at(w, m, n);
         }
     }
     return NULL;
@@ -181,21 +239,38 @@ static mcv_result run_workers(gradient_job *job, worker *workers, uint32_t count
     return MCV_OK;
 }
 
-mcv_result mcv_light_field_gradient(const mcv_image *image, const uint32_t angular[2],
-                                    mcv_emd_form form, uint32_t threads, mcv_image *gradient,
-                                    mcv_error *error) {
-    MCV_TRY(
-        mcv_image_new(gradient, image->width / angular[0], image->height / angular[1], 1, error));
+/* The gradient, or with errors its noise floor. */
+static mcv_result run_job(gradient_job *job, uint32_t threads, mcv_error *error) {
+    const mcv_image *image = job->image;
+    MCV_TRY(mcv_image_new(job->gradient, image->width / job->angular[0],
+                          image->height / job->angular[1], 1, error));
     const long cores = sysconf(_SC_NPROCESSORS_ONLN);
     if (threads == 0) threads = cores > 0 ? (uint32_t)cores : 1;
     if (threads > MAX_THREADS) threads = MAX_THREADS;
     worker workers[MAX_THREADS] = {{0}};
-    gradient_job job = {.image = image, .angular = angular, .form = form, .gradient = gradient};
-    const mcv_result result = run_workers(&job, workers, threads, error);
+    const mcv_result result = run_workers(job, workers, threads, error);
     for (uint32_t i = 0; i < threads; ++i) {
         mcv_emd_free(workers[i].emd);
         free(workers[i].p);
     }
-    if (result != MCV_OK) mcv_image_free(gradient);
+    if (result != MCV_OK) mcv_image_free(job->gradient);
     return result;
+}
+
+mcv_result mcv_light_field_gradient(const mcv_image *image, const uint32_t angular[2],
+                                    mcv_emd_form form, uint32_t threads, mcv_image *gradient,
+                                    mcv_error *error) {
+    gradient_job job = {.image = image, .angular = angular, .form = form, .gradient = gradient};
+    return run_job(&job, threads, error);
+}
+
+mcv_result mcv_light_field_floor(const mcv_image *image, const mcv_image *errors,
+                                 const uint32_t angular[2], mcv_emd_form form, uint32_t threads,
+                                 mcv_image *noise_floor, mcv_error *error) {
+    gradient_job job = {.image = image,
+                        .errors = errors,
+                        .angular = angular,
+                        .form = form,
+                        .gradient = noise_floor};
+    return run_job(&job, threads, error);
 }

@@ -43,4 +43,15 @@ mcv_result mcv_light_field_gradient(const mcv_image *image, const uint32_t angul
                                     mcv_emd_form form, uint32_t threads, mcv_image *gradient,
                                     mcv_error *error);
 
+/*
+ * The noise floor of the gradient, M x N: what it would be in the mean if neighbours had the same
+ * histogram, as the distance of two noisy histograms of the same light is not 0. `errors`: the
+ * standard errors of the image's values, taken as normal and independent. It is the mean of some
+ * draws about the common histogram of the neighbours: 0.313 √(1/n₁ + 1/n₂) of the width for one
+ * uniform row of n rays each. The same bits for any number of threads.
+ */
+mcv_result mcv_light_field_floor(const mcv_image *image, const mcv_image *errors,
+                                 const uint32_t angular[2], mcv_emd_form form, uint32_t threads,
+                                 mcv_image *noise_floor, mcv_error *error);
+
 #endif

@@ -25,7 +25,7 @@ static mcv_result make_gradient(const mcv_command *command, const mcv_light_fiel
     const double spent = mcv_seconds() - begun;
     const mcv_result result = mcv_gradient_write(command, files, gradient, error);
     if (result == MCV_OK)
-        mcv_processed_report(command, file, files, &gradient->parts[0].image, spent, report);
+        mcv_processed_report(command, file, files, gradient, spent, report);
     else
         mcv_exr_free(gradient);
     return result;

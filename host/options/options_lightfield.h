@@ -9,6 +9,9 @@
       "gradient has pseudo-colours") \
     X(text, picture, "png", 0, "F.png", MCV_IN_LIGHTFIELD, NULL, 0, 0, \
       "the picture beside an OpenEXR output") \
+    X(text, ratio, "ratio", 0, "F.png", MCV_IN_LIGHTFIELD, NULL, 0, 0, \
+      "for emd-gradient: also a picture of the gradient over its noise floor, of an image that " \
+      "states its standard errors") \
     X(choice, form, "form", 0, "normalized|mass", MCV_IN_LIGHTFIELD | MCV_IN_EXPERIMENTS, \
       "normalized", 0, 0, \
       "for emd-gradient: normalized, macro pixels of mass 1, which show deflection only; or " \

@@ -54,6 +54,30 @@ mcv_result mcv_views_make(const mcv_light_field_file *file, mcv_exr *views, mcv_
     return result;
 }
 
+/* The noise floor and the gradient over it, where the image states its errors. */
+static mcv_result add_floor(const mcv_command *command, const mcv_light_field_file *file,
+                            mcv_exr *gradient, mcv_error *error) {
+    const mcv_image *errors = mcv_exr_error(&file->exr);
+    mcv_image noise_floor, ratio;
+    if (!errors) return MCV_OK;
+    MCV_TRY(mcv_light_field_floor(&file->image, errors, file->angular,
+                                  command->form ? MCV_EMD_MASS : MCV_EMD_NORMALIZED,
+                                  (uint32_t)command->threads, &noise_floor, error));
+    mcv_result result = mcv_image_copy(&gradient->parts[0].image, &ratio, error);
+    if (result != MCV_OK) {
+        mcv_image_free(&noise_floor);
+        return result;
+    }
+    for (size_t i = 0; i < (size_t)ratio.width * ratio.height; ++i)
+        ratio.pixels[i] /= noise_floor.pixels[i];
+    result = mcv_exr_add_part(gradient, MCV_GRADIENT_FLOOR, noise_floor, NULL, error);
+    if (result == MCV_OK)
+        result = mcv_exr_add_part(gradient, MCV_GRADIENT_RATIO, ratio, NULL, error);
+    else
+        mcv_image_free(&ratio);
+    return result;
+}
+
 mcv_result mcv_gradient_make(const mcv_command *command, const mcv_light_field_file *file,
                              mcv_exr *gradient, mcv_error *error) {
     static const char *const units[] = {"fraction of the pupil",
@@ -65,5 +89,8 @@ mcv_result mcv_gradient_make(const mcv_command *command, const mcv_light_field_f
     MCV_TRY(mcv_light_field_gradient(&file->image, file->angular,
                                      command->form ? MCV_EMD_MASS : MCV_EMD_NORMALIZED,
                                      (uint32_t)command->threads, &image, error));
-    return make(&file->exr, image, own, sizeof own / sizeof own[0], gradient, error);
+    MCV_TRY(make(&file->exr, image, own, sizeof own / sizeof own[0], gradient, error));
+    const mcv_result result = add_floor(command, file, gradient, error);
+    if (result != MCV_OK) mcv_exr_free(gradient);
+    return result;
 }

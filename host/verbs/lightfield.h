@@ -7,6 +7,10 @@
 #include "options/command.h"
 #include "verbs/report.h"
 
+/* Parts of a gradient of an image that states its errors. */
+#define MCV_GRADIENT_FLOOR "noise floor"
+#define MCV_GRADIENT_RATIO "gradient over floor"
+
 /* The words of --form. */
 extern const char *const mcv_emd_forms[2];
 
@@ -25,9 +29,9 @@ mcv_result mcv_views_write(const mcv_light_field_file *file, const mcv_processed
 mcv_result mcv_gradient_write(const mcv_command *command, const mcv_processed_files *out,
                               const mcv_exr *gradient, mcv_error *error);
 
-/* Tells of them. `gradient`: its image and the seconds that it took; NULL for views. */
+/* Tells of them. `gradient`: its picture and the seconds that it took; NULL for views. */
 void mcv_processed_report(const mcv_command *command, const mcv_light_field_file *file,
-                          const mcv_processed_files *out, const mcv_image *gradient, double seconds,
+                          const mcv_processed_files *out, const mcv_exr *gradient, double seconds,
                           mcv_report *r);
 
 /* Views and gradient with the attributes of what they were made from that still hold. */

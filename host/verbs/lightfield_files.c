@@ -36,7 +36,7 @@ mcv_result mcv_processed_plan(const mcv_command *command, mcv_processed_files *o
                             paths[i]);
         MCV_TRY(mcv_output_check(paths[i], error));
     }
-    return MCV_OK;
+    return command->ratio ? mcv_output_check(command->ratio, error) : MCV_OK;
 }
 
 static mcv_result write_exr(const char *path, const mcv_exr *exr, mcv_error *error) {
@@ -81,6 +81,23 @@ mcv_result mcv_views_write(const mcv_light_field_file *file, const mcv_processed
 
 /* --- gradient --- */
 
+/* The gradient over its noise floor. */
+static mcv_result write_ratio(const mcv_command *command, const mcv_exr *gradient,
+                              mcv_error *error) {
+    char title[256];
+    const mcv_image *ratio = mcv_exr_image(gradient, MCV_GRADIENT_RATIO);
+    if (!command->ratio) return MCV_OK;
+    if (!ratio)
+        return mcv_fail(error, MCV_BAD_INPUT,
+                        "--ratio %s: %s states no standard errors, from which the noise floor "
+                        "follows",
+                        command->ratio, command->second);
+    const mcv_color_scale scale = {.map = MCV_COLORMAP_VIRIDIS, .high = mcv_preview_white(ratio)};
+    snprintf(title, sizeof title, "Earth Mover's gradient over its noise floor, of %s",
+             command->second);
+    return mcv_figure_write(command->ratio, ratio, title, "noise floors", &scale, error);
+}
+
 mcv_result mcv_gradient_write(const mcv_command *command, const mcv_processed_files *out,
                               const mcv_exr *gradient, mcv_error *error) {
     char title[256];
@@ -91,6 +108,7 @@ mcv_result mcv_gradient_write(const mcv_command *command, const mcv_processed_fi
     snprintf(title, sizeof title, "Earth Mover's gradient (%s) of %s", mcv_emd_forms[command->form],
              command->second);
     if (out->exr) MCV_TRY(write_exr(out->exr, gradient, error));
+    MCV_TRY(write_ratio(command, gradient, error));
     return out->png
                ? mcv_figure_write(out->png, image, title,
                                   mcv_exr_attribute(gradient, "mcvisi:unit")->text, &scale, error)
@@ -100,7 +118,7 @@ mcv_result mcv_gradient_write(const mcv_command *command, const mcv_processed_fi
 /* --- what is told --- */
 
 void mcv_processed_report(const mcv_command *command, const mcv_light_field_file *file,
-                          const mcv_processed_files *out, const mcv_image *gradient, double seconds,
+                          const mcv_processed_files *out, const mcv_exr *gradient, double seconds,
                           mcv_report *r) {
     const uint32_t *angular = file->angular;
     const uint32_t columns = file->image.width / angular[0], rows = file->image.height / angular[1];
@@ -108,13 +126,20 @@ void mcv_processed_report(const mcv_command *command, const mcv_light_field_file
     mcv_report_numbers(r, "macro_pixels", "", " x ", (const double[]){columns, rows}, 2);
     mcv_report_numbers(r, "angular", "", " x ", (const double[]){angular[0], angular[1]}, 2);
     if (gradient) {
-        const mcv_spread spread = mcv_image_spread(gradient, NULL);
+        const mcv_spread spread = mcv_image_spread(&gradient->parts[0].image, NULL);
+        const mcv_image *noise_floor = mcv_exr_image(gradient, MCV_GRADIENT_FLOOR),
+                        *ratio = mcv_exr_image(gradient, MCV_GRADIENT_RATIO);
         mcv_report_text(r, "form", mcv_emd_forms[command->form]);
         mcv_report_number(r, "mean", "", spread.mean);
         mcv_report_number(r, "deviation", "", spread.deviation);
         mcv_report_number(r, "largest", "", spread.largest);
+        if (noise_floor) {
+            mcv_report_number(r, "noise_floor", "", mcv_image_spread(noise_floor, NULL).mean);
+            mcv_report_number(r, "largest_over_floor", "", mcv_image_spread(ratio, NULL).largest);
+        }
         mcv_report_number(r, "seconds", "s", seconds);
     }
     if (out->exr) mcv_report_text(r, "values", out->exr);
     if (out->png) mcv_report_text(r, "picture", out->png);
+    if (gradient && command->ratio) mcv_report_text(r, "ratio", command->ratio);
 }
