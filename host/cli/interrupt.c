@@ -1,21 +1,31 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "cli/interrupt.h"
 
-volatile sig_atomic_t mcv_interrupt, mcv_save_request;
+#include <time.h>
+
+volatile sig_atomic_t mcv_interrupt;
 
 static void receive(int signal) { mcv_interrupt = signal; }
 
-static void receive_save(int signal) {
-    (void)signal;
-    mcv_save_request = 1;
+static void pass_over(int signal) { (void)signal; }
+
+static sigset_t save_signals(void) {
+    sigset_t set;
+    sigemptyset(&set);
+    sigaddset(&set, SIGUSR1);
+    return set;
 }
 
 void mcv_interrupt_prepare(void) { signal(SIGXFSZ, SIG_IGN); }
 
-void mcv_interrupt_watch_saves(void) {
-    struct sigaction action = {.sa_handler = receive_save, .sa_flags = SA_RESTART};
-    sigemptyset(&action.sa_mask);
-    sigaction(SIGUSR1, &action, NULL);
+void mcv_interrupt_keep_saves(void) {
+    const sigset_t set = save_signals();
+    pthread_sigmask(SIG_BLOCK, &set, NULL);
+}
+
+bool mcv_interrupt_take_save(void) {
+    const sigset_t set = save_signals();
+    return sigtimedwait(&set, NULL, &(struct timespec){0, 0}) == SIGUSR1;
 }
 
 void mcv_interrupt_watch(bool saving) {
@@ -25,7 +35,7 @@ void mcv_interrupt_watch(bool saving) {
     struct sigaction before,
         action = {.sa_handler = receive, .sa_flags = SA_RESTART | (saving ? 0 : (int)SA_RESETHAND)};
     sigemptyset(&action.sa_mask);
-    mcv_interrupt_watch_saves();
+    sigaction(SIGUSR1, &(struct sigaction){.sa_handler = pass_over, .sa_flags = SA_RESTART}, NULL);
     mcv_interrupt_prepare();
     for (size_t i = 0; i < sizeof signals / sizeof signals[0]; ++i) {
         if (mcv_interrupt && !saving) return;

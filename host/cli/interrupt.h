@@ -14,14 +14,15 @@
 /* The signal that requests to end, or 0. */
 extern volatile sig_atomic_t mcv_interrupt;
 
-/* SIGUSR1 was received since this was set to 0. */
-extern volatile sig_atomic_t mcv_save_request;
-
 /* To be called first: SIGXFSZ is ignored. */
 void mcv_interrupt_prepare(void);
 
-/* Installs the handler of SIGUSR1, which would end the program. */
-void mcv_interrupt_watch_saves(void);
+/* Keeps SIGUSR1 until it is taken, whatever handler LLVM in an OpenCL driver installs meanwhile. To
+ * be called before there are other threads. */
+void mcv_interrupt_keep_saves(void);
+
+/* Whether SIGUSR1 has come since it was last taken. */
+bool mcv_interrupt_take_save(void);
 
 /*
  * Installs all handlers, unless a signal to end was received. While saving, the second signal is

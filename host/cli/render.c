@@ -35,9 +35,8 @@ static bool on_progress(void *user, const mcv_progress *progress) {
         s->open = true;
         return mcv_interrupt == 0;
     }
-    if (mcv_save_request) {
+    if (mcv_interrupt_take_save()) {
         mcv_error ignored;
-        mcv_save_request = 0;
         (void)mcv_progress_save(progress, &ignored);
     }
     if (!isnan(progress->fraction)) mcv_interrupt_watch(false);
@@ -57,7 +56,7 @@ static bool on_told(void *user, const char *report) {
 mcv_result mcv_verb_render(const mcv_command *command, mcv_error *error) {
     shown s = {.command = command};
     mcv_client client;
-    mcv_interrupt_watch_saves();
+    mcv_interrupt_keep_saves();
     mcv_result result = mcv_client_open(command, command->argument, &client, error);
     if (result == MCV_OK)
         result = mcv_session_render_files(client.session, client.rig, client.options, on_progress,

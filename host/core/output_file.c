@@ -1,16 +1,18 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "core/output_file.h"
 
+#include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
 enum { MAX_TEMPORARIES = 1000 };
-static const uint64_t MAX_INPUT = (uint64_t)1 << 32;
+static const uint64_t LARGEST_INPUT = (uint64_t)1 << 32;
 
 /* Checks what exists at path: only nothing or a regular, writable file may be replaced. */
 static mcv_result check_target(const char *path, mcv_error *error) {
@@ -46,6 +48,52 @@ static void forget(mcv_output *output) {
     *output = (mcv_output){.descriptor = -1};
 }
 
+/* A new file, locked as long as somebody writes it; -1 with the reason in errno. A file system
+ * without locks does without: nobody removes its files then. */
+static int open_temporary(const char *path) {
+    struct stat status;
+    const int descriptor = open(path, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+    if (descriptor < 0) return -1;
+    const bool taken = flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK;
+    if (!taken && fstat(descriptor, &status) == 0 && status.st_nlink > 0) return descriptor;
+    /* Another process has just taken it for left over. */
+    close(descriptor);
+    errno = EEXIST;
+    return -1;
+}
+
+/* Whether a name is that of a temporary file of `base`: base.PROCESS-NUMBER.part. */
+static bool is_temporary(const char *name, const char *base) {
+    static const char digits[] = "0123456789";
+    const size_t length = strlen(base);
+    if (strncmp(name, base, length) != 0 || name[length] != '.') return false;
+    const char *process = name + length + 1, *dash = process + strspn(process, digits);
+    if (dash == process || *dash != '-') return false;
+    const char *end = dash + 1 + strspn(dash + 1, digits);
+    return end > dash + 1 && strcmp(end, ".part") == 0;
+}
+
+/* Removes what killed processes have left of this file: temporary files that nobody has locked. */
+static void remove_left(const char *path) {
+    const int length = directory_length(path);
+    char *folder = length ? strndup(path, (size_t)length) : strdup(".");
+    DIR *directory = folder ? opendir(folder) : NULL;
+    for (const struct dirent *entry; directory && (entry = readdir(directory));) {
+        struct stat status;
+        if (!is_temporary(entry->d_name, path + length)) continue;
+        const int at = dirfd(directory),
+                  descriptor =
+                      openat(at, entry->d_name, O_WRONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
+        if (descriptor < 0) continue;
+        if (fstat(descriptor, &status) == 0 && S_ISREG(status.st_mode) &&
+            flock(descriptor, LOCK_EX | LOCK_NB) == 0)
+            unlinkat(at, entry->d_name, 0);
+        close(descriptor);
+    }
+    if (directory) closedir(directory);
+    free(folder);
+}
+
 mcv_result mcv_output_open(mcv_output *output, const char *path, mcv_error *error) {
     *output = (mcv_output){.descriptor = -1};
     MCV_TRY(check_target(path, error));
@@ -59,8 +107,7 @@ mcv_result mcv_output_open(mcv_output *output, const char *path, mcv_error *erro
     errno = EEXIST;
     for (int i = 0; output->descriptor < 0 && errno == EEXIST && i < MAX_TEMPORARIES; ++i) {
         snprintf(output->temporary, capacity, "%s.%ld-%d.part", path, (long)getpid(), i);
-        output->descriptor =
-            open(output->temporary, O_WRONLY | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+        output->descriptor = open_temporary(output->temporary);
     }
     if (output->descriptor >= 0) return MCV_OK;
     const int reason = errno;
@@ -79,6 +126,7 @@ mcv_result mcv_output_check(const char *path, mcv_error *error) {
     mcv_output output;
     MCV_TRY(mcv_output_open(&output, path, error));
     mcv_output_discard(&output);
+    remove_left(path);
     return MCV_OK;
 }
 
@@ -120,6 +168,8 @@ static void flush_directory(const char *path) {
 mcv_result mcv_output_commit(mcv_output *output, mcv_error *error) {
     bool written = fsync(output->descriptor) == 0;
     int reason = errno;
+    /* The lock stays until the file has its name. */
+    const int lock = fcntl(output->descriptor, F_DUPFD_CLOEXEC, 0);
     if (close(output->descriptor) != 0 && written) {
         written = false;
         reason = errno;
@@ -129,6 +179,7 @@ mcv_result mcv_output_commit(mcv_output *output, mcv_error *error) {
         written = false;
         reason = errno;
     }
+    if (lock >= 0) close(lock);
     if (!written) {
         mcv_fail(error, MCV_FAILED, "%s: writing failed: %s", output->path, strerror(reason));
         mcv_output_discard(output);
@@ -154,7 +205,7 @@ mcv_result mcv_file_load(const char *path, uint8_t **bytes, size_t *size, mcv_er
     mcv_result result = MCV_OK;
     if (fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) {
         result = mcv_fail(error, MCV_BAD_INPUT, "%s: is not a regular file", path);
-    } else if ((uint64_t)status.st_size > MAX_INPUT) {
+    } else if ((uint64_t)status.st_size > LARGEST_INPUT) {
         result =
             mcv_fail(error, MCV_BAD_INPUT, "%s: is larger than 4 GiB, the limit for a file", path);
     } else if (!(*bytes = malloc((size_t)status.st_size + 1))) {

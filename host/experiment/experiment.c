@@ -116,11 +116,13 @@ mcv_result mcv_experiment_open_table(mcv_sweep *s, mcv_error *error) {
                         "%s exists already: continue it by --resume, begin it again by "
                         "--force, or give another name by -o",
                         s->table.path);
+    const char *const files[] = {s->table.path, s->table.sidecar, s->table.page};
+    for (size_t i = 0; i < sizeof files / sizeof files[0]; ++i)
+        MCV_TRY(mcv_output_check(files[i], error));
     if (exists && s->experiment->resume) {
         MCV_TRY(mcv_sidecar_check(&sidecar, error));
         return mcv_table_resume(&s->table, s->done, error);
     }
-    MCV_TRY(mcv_output_check(s->table.page, error));
     MCV_TRY(mcv_sidecar_write(&sidecar, error));
     return mcv_table_begin(&s->table, error);
 }

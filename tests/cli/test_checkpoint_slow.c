@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* ctest: label slow */
 /* ctest: timeout 1800 */
-/* Twenty kills of each render. */
+/* A hundred kills of renders by OpenCL, and twenty of the reference renderer. */
 #define KILLS 20
 #include "test_checkpoint.c"

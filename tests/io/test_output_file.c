@@ -9,6 +9,7 @@
 #include <string.h>
 #include <sys/resource.h>
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <unistd.h>
 
 #include "core/output_file.h"
@@ -181,6 +182,56 @@ static void test_two_writers_do_not_mix(void **state) {
     expect_content(path, "bb");
 }
 
+/* A process that begins to write and is killed. */
+static void leave_unfinished(const char *path) {
+    const pid_t child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        mcv_output output;
+        mcv_error error = {""};
+        if (mcv_output_open(&output, path, &error) == MCV_OK)
+            (void)mcv_output_write(&output, "half", 4, &error);
+        raise(SIGKILL);
+    }
+    int status;
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_true(WIFSIGNALED(status));
+}
+
+static void test_what_killed_processes_left_is_removed(void **state) {
+    (void)state;
+    static const char *const others[] = {"image.part", "image.1-x.part", "image.1-2.parts",
+                                         "images.1-2.part", "image.1-2.part.old"};
+    mcv_error error = {""};
+    mcv_output output;
+    const int before = files_in_folder();
+    char path[512];
+    snprintf(path, sizeof path, "%s", in_folder("image"));
+    for (int i = 0; i < 3; ++i) leave_unfinished(path);
+    assert_int_equal(files_in_folder(), before + 3);
+    for (size_t i = 0; i < sizeof others / sizeof others[0]; ++i)
+        write_file(in_folder(others[i]), "of the user");
+    /* One is being written: it stays, whoever looks. */
+    assert_int_equal(mcv_output_open(&output, path, &error), MCV_OK);
+    assert_int_equal(mcv_output_check(path, &error), MCV_OK);
+    assert_int_equal(files_in_folder(), before + 1 + 5);
+    const pid_t child = fork();
+    assert_true(child >= 0);
+    if (child == 0) {
+        close(output.descriptor); /* as in another program, which has not inherited it */
+        _exit(mcv_output_check(path, &error) == MCV_OK ? 0 : 1);
+    }
+    int status;
+    assert_int_equal(waitpid(child, &status, 0), child);
+    assert_int_equal(status, 0);
+    assert_int_equal(files_in_folder(), before + 1 + 5);
+    assert_int_equal(mcv_output_write(&output, "whole", 5, &error), MCV_OK);
+    assert_int_equal(mcv_output_commit(&output, &error), MCV_OK);
+    expect_content(path, "whole");
+    for (size_t i = 0; i < sizeof others / sizeof others[0]; ++i) unlink(in_folder(others[i]));
+    unlink(path);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_appears_only_at_commit, make_folder, remove_folder),
@@ -191,6 +242,8 @@ int main(void) {
                                         remove_folder),
         cmocka_unit_test_setup_teardown(test_failed_write_is_reported, make_folder, remove_folder),
         cmocka_unit_test_setup_teardown(test_two_writers_do_not_mix, make_folder, remove_folder),
+        cmocka_unit_test_setup_teardown(test_what_killed_processes_left_is_removed, make_folder,
+                                        remove_folder),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
