@@ -89,51 +89,67 @@ def light_field(scene):
     return np.asarray(rig.render(spp=1024, seed=3, progress=False)).astype(float)
 
 
-def main():
-    scenes, folder = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2])
-    (folder / "white.png").write_bytes(white_png(*(DIRECTIONS * side for side in PLACES)))
-    matrices = {}
-    for name, defect, seed in ("clean", "clean", 1), ("check", "clean", 7), ("dent", "dent", 1):
-        rig = schlieren_rig(scenes / ("report-%s.glb" % defect), folder / ("%s.glb" % name))
-        matrices[name] = rig.transport(spp=4096, seed=seed, progress=False)
+def matrix(scenes, folder, defect, seed):
+    rig = schlieren_rig(scenes / ("report-%s.glb" % defect), folder / ("%s.glb" % defect))
+    return rig.transport(spp=4096, seed=seed, progress=False)
+
+
+def compare(scenes, defect, patterns, part, check):
+    """Prints the table of a defect; returns its curves and pictures."""
     table, shown = {}, {}
-    for name, options in {
-        "replay": {"method": "replay"},
-        "least squares": {"method": "least-squares"},
-        "dark field": {"field": "dark"},
-    }.items():
-        pattern = np.asarray(matrices["clean"].inverse_pattern(**options))
+    for name, pattern in patterns.items():
         good, bad = (
-            np.asarray(matrices[part].relight({"display": pattern})).astype(float)
-            for part in ("check", "dent")
+            np.asarray(each.relight({"display": pattern})).astype(float) for each in (check, part)
         )
         bright = good.mean() if name != "dark field" else bad[DENT].mean()
         print("%s: deviation of the flawless part %.2g" % (name, good.std() / bright))
         if name != "dark field":  # whose background has no light, and no deviation
             table[name] = over_light(bad, bright, lambda values: values.astype(float))
         shown[name] = bad / bright
-    field = light_field(scenes / "report-dent.glb")
+    field = light_field(scenes / ("report-%s.glb" % defect))
     places = field.reshape(PLACES[1], 9, PLACES[0], 9).sum(axis=(1, 3))
-    table["Earth Mover's gradient"] = over_light(field, places.mean(), gradient)
+    table["Earth Mover's gradient"] = over_light(field, np.median(places), gradient)
     shown["Earth Mover's gradient"] = gradient(field)
-    print("| electrons a place | " + " | ".join(table) + " |")
+    print("%s: | electrons a place | %s |" % (defect, " | ".join(table)))
     for row, light in enumerate(LIGHT):
         cells = ["%.1f ± %.1f" % table[name][row] for name in table]
         print("| %g | %s |" % (light, " | ".join(cells)))
+    return table, shown
+
+
+def draw(table, shown, path):
     figure, axes = plt.subplots(2, 3, figsize=(11, 6.2))
     for axis, (name, image) in zip(axes.flat, shown.items()):
         axis.imshow(image, cmap="gray" if "gradient" not in name else "viridis")
         axis.set_title(name)
         axis.set_axis_off()
+    curves = axes[1, 1]
     for name, rows in table.items():
         values, errors = zip(*rows)
-        axes[1, 1].errorbar(LIGHT, np.abs(values), errors, marker="o", ms=3, label=name)
-    axes[1, 1].set(xscale="log", yscale="log", xlabel="electrons a place", ylabel="contrast to noise")
-    axes[1, 1].axhline(3, color="black", lw=0.5)
-    axes[1, 1].legend(fontsize=7)
+        curves.errorbar(LIGHT, np.abs(values), errors, marker="o", ms=3, label=name)
+    curves.set(xscale="log", yscale="log", xlabel="electrons a place", ylabel="contrast to noise")
+    curves.axhline(3, color="black", lw=0.5)
+    curves.legend(fontsize=7)
     axes[1, 2].set_axis_off()
     figure.tight_layout()
-    figure.savefig(folder / "inverse-patterns.png", dpi=80)
+    figure.savefig(path, dpi=80)
+
+
+def main():
+    scenes, folder = pathlib.Path(sys.argv[1]), pathlib.Path(sys.argv[2])
+    (folder / "white.png").write_bytes(white_png(*(DIRECTIONS * side for side in PLACES)))
+    clean, check = (matrix(scenes, folder, "clean", seed) for seed in (1, 7))
+    ways = {
+        "replay": {"method": "replay"},
+        "least squares": {"method": "least-squares"},
+        "dark field": {"field": "dark"},
+    }
+    patterns = {name: np.asarray(clean.inverse_pattern(**way)) for name, way in ways.items()}
+    for defect in "dent", "bubble":
+        part = matrix(scenes, folder, defect, 1)
+        table, shown = compare(scenes, defect, patterns, part, check)
+        if defect == "dent":
+            draw(table, shown, folder / "inverse-patterns.png")
 
 
 main()
