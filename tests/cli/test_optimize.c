@@ -86,7 +86,7 @@ static void test_resumes(void **state) {
  * of what the nearest brings. Four standard uncertainties of the margin of fresh renders. */
 static void test_requirements(void **state) {
     (void)state;
-    json_t *report = program_json(LAMP "--require 'mean<=60-0*x' --evaluations 40 --json");
+    json_t *report = program_json(LAMP "--require '60>=mean+0*x' --evaluations 40 --json");
     const double margin = number_at(report, "winner/requirements/0/margin"),
                  u = number_at(report, "winner/requirements/0/uncertainty");
     assert_true(margin <= 4 * u);
