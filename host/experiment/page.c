@@ -104,7 +104,7 @@ static bool put_results(FILE *out, const mcv_page *page) {
     if (e->put_results) return e->put_results(out, page, e->results);
     mcv_page_put_best(out, page);
     mcv_page_put_extremes(out, page);
-    return put_plots(out, page);
+    return mcv_page_put_split(out, page) && put_plots(out, page);
 }
 
 /* The scene of the best set, or of the first that has not failed. */

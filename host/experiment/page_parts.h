@@ -27,6 +27,10 @@ void mcv_page_put_extremes(FILE *out, const mcv_page *page);
 /* The row with the smallest or the largest of a metric; row_count: none. */
 size_t mcv_page_extreme(const mcv_sweep *sweep, size_t metric, bool largest);
 
+/* page_split.c: settings of programs with their rates, where scenes are put aside for validation.
+ * False without memory. */
+bool mcv_page_put_split(FILE *out, const mcv_page *page);
+
 /* page_sets.c: all sets with their pictures and commands. */
 void mcv_page_put_sets(FILE *out, const mcv_page *page);
 

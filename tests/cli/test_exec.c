@@ -147,6 +147,15 @@ static void test_validation(void **state) {
     assert_true(fabs(rates[1] - 0.5) < 4 * deviation[1]);
     assert_true(fabs(both - 0.5) < 5 * deviation[1] / sqrt(200.0));
     json_decref(report);
+    /* The page has the same, a line for each setting, and the best one marked. */
+    const char *page = read_whole("s-sweep.html"), *at = strstr(page, "Tuned and validated: right");
+    assert_non_null(at);
+    char line[64];
+    snprintf(line, sizeof line, "<td>%.3g %% (", 100 * rates[0]);
+    assert_non_null(at = strstr(at, "<tr class=\"best\"><th>setting "));
+    assert_non_null(at = strstr(at, line));
+    snprintf(line, sizeof line, "<td>%.3g %% (", 100 * rates[1]);
+    assert_non_null(strstr(at + 1, line));
 }
 
 static void expect_row(const char *program, const char *words) {

@@ -82,8 +82,8 @@ static void test_resumes(void **state) {
     program_fails(LAMP "--evaluations 41 --resume", 3, "--evaluations differs");
 }
 
-/* The brightest lamp that saturates nothing would be the nearest; the light is to stay below half
- * of what the nearest brings. Four standard uncertainties of the margin of fresh renders. */
+/* The brightest lamp brings more than a grey value of 60, so that the limit counts. Four standard
+ * uncertainties of the margin of fresh renders; the margin is that of the value that is told. */
 static void test_requirements(void **state) {
     (void)state;
     json_t *report = program_json(LAMP "--require '60>=mean+0*x' --evaluations 40 --json");
