@@ -154,10 +154,7 @@ static void put_halcon(FILE *out, const mcv_camera_model *m, const char *name) {
     mcv_rotation_to_gba(m->rotation, angles);
     if (list) {
         put_halcon_numbers(list, m);
-        if (fclose(list) != 0) {
-            free(numbers);
-            numbers = NULL;
-        }
+        (void)mcv_text_close(list, &numbers);
     }
     if (!numbers) return;
     fputs("* HALCON: parameters of the camera ", out);
@@ -242,9 +239,8 @@ static char *make(const mcv_camera_model *model, const char *name, mcv_calibrati
     if (format == MCV_CALIBRATION_ROS) put_ros(out, model, name);
     if (format == MCV_CALIBRATION_HALCON) put_halcon(out, model, name);
     if (format == MCV_CALIBRATION_COLMAP) put_colmap(out, model, name, file);
-    if (fclose(out) == 0) return text;
-    free(text);
-    return NULL;
+    (void)mcv_text_close(out, &text);
+    return text;
 }
 
 mcv_result mcv_calibration_write(const mcv_camera_model *model, const char *name,

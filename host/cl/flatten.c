@@ -84,7 +84,8 @@ mcv_result mcv_flatten(const char *root, const char *program, char **text, mcv_e
     snprintf(name, sizeof name, "%s.cl", program);
     mcv_result result = flatten_file(&f, name, 0, false);
     if (result == MCV_OK) result = flatten_file(&f, "probe.cl", 0, false);
-    fclose(f.out);
+    if ((fclose(f.out) != 0 || !*text) && result == MCV_OK)
+        result = mcv_fail(error, MCV_FAILED, "%s: no memory to read the OpenCL program", program);
     if (result != MCV_OK) {
         free(*text);
         *text = NULL;

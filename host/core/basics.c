@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "core/basics.h"
 
+#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 #include <time.h>
@@ -68,4 +69,12 @@ uint64_t mcv_hash_bytes(uint64_t hash, const void *data, size_t size) {
     const unsigned char *bytes = data;
     for (size_t i = 0; i < size; ++i) hash = (hash ^ bytes[i]) * 0x100000001b3u;
     return hash;
+}
+
+bool mcv_text_close(FILE *stream, char **text) {
+    const bool whole = stream && !ferror(stream);
+    if (stream && fclose(stream) == 0 && whole && *text) return true;
+    free(*text);
+    *text = NULL;
+    return false;
 }

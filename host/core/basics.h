@@ -37,4 +37,8 @@ int mcv_character(const char *text, uint32_t *code);
 void mcv_print_plain(FILE *out, const char *text);
 void mcv_print_line(FILE *out, const char *text);
 
+/* Closes a stream of open_memstream, or NULL. Where memory was missing the text is freed and NULL,
+ * and the answer false: fclose does not tell when there was none for the last piece. */
+bool mcv_text_close(FILE *stream, char **text);
+
 #endif

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "experiment/table.h"
 
+#include "core/basics.h"
 #include "core/output_file.h"
 
 #include <errno.h>
@@ -254,9 +255,8 @@ mcv_result mcv_table_resume(mcv_table *table, bool *done, mcv_error *error) {
     free(line);
     fclose(file);
     const long end = ftell(out);
-    const bool written = ferror(out) == 0;
     mcv_result result = MCV_OK;
-    if (fclose(out) != 0 || !written || !read)
+    if (!mcv_text_close(out, &kept) || !read)
         result = mcv_fail(error, MCV_FAILED, "%s: no memory for its rows", table->path);
     else if (!all)
         result = replace(table, kept, (size_t)end, error);

@@ -167,7 +167,8 @@ char *mcv_route_words(const mcv_scene *scene, uint32_t sensor, const mcv_route *
     if (c->surface_count > MCV_PATH_SURFACES) fprintf(out, " <- …");
     const char *name = scene->emitters[c->emitter].name;
     fprintf(out, " <- emitter \"%s\"", name ? name : "");
-    return fclose(out) == 0 ? text : NULL;
+    (void)mcv_text_close(out, &text);
+    return text;
 }
 
 void mcv_routes_free(mcv_routes *routes) {

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "io/html.h"
 
+#include "core/basics.h"
 #include "core/output_file.h"
 #include "io/embedded.h"
 
@@ -58,7 +59,7 @@ mcv_result mcv_html_write(const char *path, bool (*put)(FILE *out, void *user), 
     size_t size = 0;
     FILE *out = open_memstream(&text, &size);
     const bool written = out && put(out, user);
-    if (!out || fclose(out) != 0 || !written) {
+    if (!mcv_text_close(out, &text) || !written) {
         free(text);
         return mcv_fail(error, MCV_FAILED, "%s: no memory to write it", path);
     }

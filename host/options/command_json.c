@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Options of a command as JSON, and JSON as a command line: experiment files. */
 #include "core/json.h"
+
+#include "core/basics.h"
 #include "options/option_table.h"
 
 #include <stdio.h>
@@ -158,7 +160,8 @@ static mcv_result add_numbers(mcv_arguments *arguments, const char *path, const 
         else
             fprintf(out, "%.17g", json_number_value(value));
     }
-    if (fclose(out) == 0 && numbers) return add_argument(arguments, text, error);
+    const bool memory = mcv_text_close(out, &text);
+    if (numbers || !memory) return add_argument(arguments, text, error);
     free(text);
     return mcv_fail(error, MCV_BAD_INPUT, "%s: %s: must be a list of numbers, or a text", path,
                     key);

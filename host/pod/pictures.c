@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "pod/pictures.h"
 
+#include "core/basics.h"
+
 #include "check/setup_page.h"
 #include "experiment/run_set.h"
 #include "io/html.h"
@@ -193,7 +195,7 @@ mcv_result mcv_pod_pictures(mcv_sweep *sweep, char **text, mcv_error *error) {
     const bool memory = out && sort_rows(&s);
     mcv_result result = memory ? put_all(out, &s, error)
                                : mcv_fail(error, MCV_FAILED, "no memory for a study's pictures");
-    if (out && fclose(out) != 0 && result == MCV_OK)
+    if (!mcv_text_close(out, text) && result == MCV_OK)
         result = mcv_fail(error, MCV_FAILED, "no memory for a study's pictures");
     json_decref(s.flawless);
     free(s.rows);

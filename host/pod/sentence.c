@@ -2,6 +2,8 @@
 /* The words of a study (pod/study.h). */
 #include "pod/study.h"
 
+#include "core/basics.h"
+
 #include <math.h>
 #include <stdlib.h>
 
@@ -89,9 +91,8 @@ char *mcv_pod_sentence(const mcv_pod_study *study) {
     FILE *out = open_memstream(&text, &size);
     if (!out) return NULL;
     put_sentence(out, study);
-    if (fclose(out) == 0) return text;
-    free(text);
-    return NULL;
+    (void)mcv_text_close(out, &text);
+    return text;
 }
 
 double mcv_pod_coverage(size_t defects) { return defects < 60 ? 0.91 : defects < 240 ? 0.93 : NAN; }

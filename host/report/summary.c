@@ -126,9 +126,6 @@ mcv_result mcv_summary_text(const mcv_summary *s, char **text, mcv_error *error)
     print_losses(out, &s->stats);
     print_name(out, "  ", s->image_path, "\n");
     print_name(out, "  ", s->preview_path, "\n");
-    const bool whole = !ferror(out);
-    if (fclose(out) == 0 && whole) return MCV_OK;
-    free(*text);
-    *text = NULL;
+    if (mcv_text_close(out, text)) return MCV_OK;
     return mcv_fail(error, MCV_FAILED, "no memory for the summary");
 }

@@ -279,9 +279,7 @@ mcv_result mcv_rig_text(const mcv_rig_design *r, const char *uri, char **text, s
     *text = NULL;
     FILE *stream = open_memstream(text, size);
     if (stream) print_rig(stream, r, uri);
-    if (stream && fclose(stream) == 0) return MCV_OK;
-    free(*text);
-    *text = NULL;
+    if (mcv_text_close(stream, text)) return MCV_OK;
     mcv_fail(error, MCV_FAILED, "%s: no memory for a rig", r->wishes.part);
     return MCV_FAILED;
 }

@@ -27,9 +27,8 @@ static char *pointer_of(const mcv_json_path *place) {
     FILE *out = open_memstream(&text, &size);
     if (!out) return NULL;
     write_pointer(out, place);
-    if (fclose(out) == 0) return text;
-    free(text);
-    return NULL;
+    (void)mcv_text_close(out, &text);
+    return text;
 }
 
 void mcv_strict_find(mcv_strict *s, const char *code, const mcv_json_path *place,

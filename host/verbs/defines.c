@@ -2,6 +2,8 @@
 /* The -D options that specialise OpenCL programs, a line for each program: what --defines tells. */
 #include "verbs/check.h"
 
+#include "core/basics.h"
+
 #include "render/render.h"
 #include "scene/sensors.h"
 
@@ -48,6 +50,7 @@ mcv_result mcv_check_defines(const mcv_command *command, const mcv_scene *scene,
         result = print_scene(out, command, scene, error);
     else if (out)
         print_all(out);
-    if (!out || fclose(out) != 0) result = mcv_fail(error, MCV_FAILED, "no memory for the options");
+    if (!mcv_text_close(out, text))
+        result = mcv_fail(error, MCV_FAILED, "no memory for the options");
     return result;
 }

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "verbs/merge_tables.h"
 
+#include "core/basics.h"
 #include "core/output_file.h"
 #include "experiment/table.h"
 #include "verbs/sweep.h"
@@ -196,7 +197,7 @@ static mcv_result write_table(const joining *j, const char *output, mcv_error *e
         fwrite(j->lines[i].text, 1, j->lines[i].length, out);
         fputc('\n', out);
     }
-    const mcv_result result = fclose(out) == 0
+    const mcv_result result = mcv_text_close(out, &text)
                                   ? mcv_output_whole(output, text, size, error)
                                   : mcv_fail(error, MCV_FAILED, "%s: no memory", output);
     free(text);

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "verbs/optimize.h"
 
+#include "core/basics.h"
+
 #include "verbs/sweep.h"
 
 #include <math.h>
@@ -128,8 +130,6 @@ mcv_result mcv_optimize_text(const mcv_optimization *o, double spent, char **tex
             spent, o->found.ended);
     if (table->path[0])
         fprintf(out, "  %s\n  %s\n  %s\n", table->path, table->sidecar, table->page);
-    if (fclose(out) == 0) return MCV_OK;
-    free(*text);
-    *text = NULL;
+    if (mcv_text_close(out, text)) return MCV_OK;
     return mcv_fail(error, MCV_FAILED, "no memory for the report");
 }

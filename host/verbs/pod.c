@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "verbs/pod.h"
 
+#include "core/basics.h"
+
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -141,10 +143,7 @@ static mcv_result tell_doubts(const mcv_pod_study *s, mcv_report *r, mcv_error *
     size_t size;
     FILE *out = open_memstream(&text, &size);
     if (out) mcv_pod_put_doubts(out, s, "", "\n");
-    if (!out || fclose(out) != 0) {
-        free(text);
-        return mcv_fail(error, MCV_FAILED, "no memory for the report");
-    }
+    if (!mcv_text_close(out, &text)) return mcv_fail(error, MCV_FAILED, "no memory for the report");
     for (char *line = strtok_r(text, "\n", &next); line; line = strtok_r(NULL, "\n", &next))
         mcv_report_tell(r, "warning", line);
     free(text);

@@ -49,20 +49,18 @@ static char *take_text(mcv_report *report) {
     size_t size = 0, i;
     const json_t *note;
     FILE *out = open_memstream(&text, &size);
-    if (fclose(report->out) != 0 || !out || !report->text) {
-        if (out) fclose(out);
-        free(text);
-        text = NULL;
-    } else {
+    const bool kept = mcv_text_close(report->out, &report->text);
+    if (out && kept) {
         json_array_foreach(report->notes, i, note) {
             fprintf(out, "%s: %s\n", json_string_value(json_object_get(note, "severity")),
                     json_string_value(json_object_get(note, "text")));
         }
         fputs(report->text, out);
-        if (fclose(out) != 0) {
-            free(text);
-            text = NULL;
-        }
+    }
+    (void)mcv_text_close(out, &text);
+    if (!kept) {
+        free(text);
+        text = NULL;
     }
     report->out = NULL;
     return text;

@@ -10,9 +10,8 @@
 
 /* What the stream has taken; NULL without memory. */
 static char *finish(FILE *out, char **text) {
-    if (out && fclose(out) == 0) return *text;
-    free(*text);
-    return NULL;
+    (void)mcv_text_close(out, text);
+    return *text;
 }
 
 char *mcv_sweep_row_text(const mcv_sweep *s, const double *row, const char *message) {

@@ -2,6 +2,8 @@
 /* Every vertex of given rays' paths, as a table. */
 #include "verbs/trace.h"
 
+#include "core/basics.h"
+
 #include "reference/reference.h"
 #include "scene/geometry.h"
 
@@ -48,9 +50,7 @@ static mcv_result write_table(const mcv_scene *scene, const mcv_vertex *vertices
     *text = NULL;
     FILE *memory = open_memstream(text, size);
     if (memory) print_vertices(memory, scene, vertices, count);
-    if (memory && fclose(memory) == 0) return MCV_OK;
-    free(*text);
-    *text = NULL;
+    if (mcv_text_close(memory, text)) return MCV_OK;
     return mcv_fail(error, MCV_FAILED, "%s: no memory for %zu vertices", scene->path, count);
 }
 

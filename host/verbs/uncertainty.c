@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "verbs/uncertainty.h"
 
+#include "core/basics.h"
+
 #include "analysis/metrics.h"
 #include "verbs/sweep.h"
 
@@ -148,7 +150,7 @@ mcv_result mcv_uncertainty_text(const mcv_study *s, double spent, char **text, m
             spent);
     if (table->path[0])
         fprintf(out, "  %s\n  %s\n  %s\n", table->path, table->sidecar, table->page);
-    if (fclose(out) != 0 && result == MCV_OK)
+    if (!mcv_text_close(out, text) && result == MCV_OK)
         result = mcv_fail(error, MCV_FAILED, "no memory for the report");
     if (result == MCV_OK) return MCV_OK;
     free(*text);

@@ -7,6 +7,9 @@
  * Calls that jansson makes for the growing buffer of a string do not fail: its parser (2.14) does
  * not look whether they did, and reads beyond the buffer. mcv_json_parse is our answer.
  *
+ * Nor do those of operator new: OpenEXR's reader (3.1.5) waits for ever for a task that it had no
+ * memory to make.
+ *
  * own: memory that the program itself or its JSON library asks for. OpenCL drivers end the process
  * where they have no memory, which is not ours to mend.
  */
@@ -35,34 +38,40 @@ extern void *__libc_malloc(size_t);
 extern void *__libc_calloc(size_t, size_t);
 extern void *__libc_realloc(void *, size_t);
 
-/* Addresses of the program and of the JSON library. */
-static struct { uintptr_t begin, end; } own[16];
-static int own_count;
+/* Addresses of the program and of the JSON library, and of the library of C++. */
+typedef struct places {
+    struct {
+        uintptr_t begin, end;
+    } parts[16];
+    int count;
+} places;
+static places own, of_new;
 
-static int find_own(struct dl_phdr_info *object, size_t size, void *user) {
+static int find_places(struct dl_phdr_info *object, size_t size, void *user) {
     (void)size, (void)user;
-    const bool program = object->dlpi_name[0] == '\0';
-    if (!program && !strstr(object->dlpi_name, "libjansson")) return 0;
-    for (int i = 0; i < object->dlpi_phnum && own_count < 16; ++i) {
+    const bool program = object->dlpi_name[0] == '\0' || strstr(object->dlpi_name, "libjansson");
+    if (!program && !strstr(object->dlpi_name, "libstdc++")) return 0;
+    places *into = program ? &own : &of_new;
+    for (int i = 0; i < object->dlpi_phnum && into->count < 16; ++i) {
         const ElfW(Phdr) *part = object->dlpi_phdr + i;
         if (part->p_type != PT_LOAD) continue;
-        own[own_count].begin = object->dlpi_addr + part->p_vaddr;
-        own[own_count].end = own[own_count].begin + part->p_memsz;
-        ++own_count;
+        into->parts[into->count].begin = object->dlpi_addr + part->p_vaddr;
+        into->parts[into->count].end = into->parts[into->count].begin + part->p_memsz;
+        ++into->count;
     }
     return 0;
+}
+
+static bool is_in(const places *where, const void *caller) {
+    const uintptr_t address = (uintptr_t)caller;
+    for (int i = 0; i < where->count; ++i)
+        if (address >= where->parts[i].begin && address < where->parts[i].end) return true;
+    return false;
 }
 
 static bool fails(const char *of) {
     if (!ready || strcmp(kind, of) != 0) return false;
     return atomic_fetch_add(&calls, 1) + 1 == at;
-}
-
-static bool is_own(const void *caller) {
-    const uintptr_t address = (uintptr_t)caller;
-    for (int i = 0; i < own_count; ++i)
-        if (address >= own[i].begin && address < own[i].end) return true;
-    return false;
 }
 
 static bool learning;
@@ -71,8 +80,8 @@ static const void *growth; /* the place in jansson that asks for the buffer of a
 static bool fails_memory(const void *caller, size_t size) {
     enum { SECOND_BUFFER = 32 }; /* twice the first */
     if (learning && !growth && size == SECOND_BUFFER) growth = caller;
-    if (!ready || (growth && caller == growth) ||
-        !(fails("memory") || (is_own(caller) && fails("own"))))
+    if (!ready || (growth && caller == growth) || is_in(&of_new, caller) ||
+        !(fails("memory") || (is_in(&own, caller) && fails("own"))))
         return false;
     errno = ENOMEM;
     return true;
@@ -93,7 +102,9 @@ void *realloc(void *ptr, size_t size) {
 #define NEXT(type, name) ((type)dlsym(RTLD_NEXT, name))
 
 /* Whether the program itself calls: drivers write caches of theirs. */
-static bool fails_file(const char *of, const void *caller) { return is_own(caller) && fails(of); }
+static bool fails_file(const char *of, const void *caller) {
+    return is_in(&own, caller) && fails(of);
+}
 
 ssize_t write(int fd, const void *buf, size_t n) {
     if (fd > 2 && fails_file("write", __builtin_return_address(0))) {
@@ -144,7 +155,7 @@ __attribute__((constructor)) static void begin(void) {
     kind = getenv("MCV_FAULT");
     at = number ? strtol(number, NULL, 10) : 0;
     atexit(finish);
-    dl_iterate_phdr(find_own, NULL);
+    dl_iterate_phdr(find_places, NULL);
     typedef void *(*parser)(const char *, size_t, void *);
     const parser json_loads = (parser)dlsym(RTLD_DEFAULT, "json_loads");
     learning = true; /* the tree is left: it is small */
