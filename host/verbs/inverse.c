@@ -31,7 +31,8 @@ mcv_result mcv_inverse_plan(const mcv_command *command, mcv_error *error) {
 mcv_result mcv_inverse_read(const mcv_command *command, const mcv_matrix *matrix,
                             mcv_inverse *inverse, mcv_error *error) {
     char item[300];
-    const char *none;
+    const char *shown;
+    mcv_error why;
     *inverse =
         (mcv_inverse){.method = command->method ? MCV_INVERSE_LEAST_SQUARES : MCV_INVERSE_REPLAY,
                       .dark = command->field == 1,
@@ -39,7 +40,15 @@ mcv_result mcv_inverse_read(const mcv_command *command, const mcv_matrix *matrix
                       .bits = (uint32_t)command->pattern_bits};
     snprintf(item, sizeof item, "%s%s", command->emitter ? command->emitter : "",
              command->emitter ? "=" : "");
-    return mcv_pattern_group(matrix, "emitter", item, &inverse->group, &none, error);
+    if (mcv_pattern_group(matrix, "emitter", item, &inverse->group, &shown, &why) == MCV_OK)
+        return MCV_OK;
+    if (command->emitter)
+        return mcv_fail(error, MCV_USAGE,
+                        "--emitter %s: the matrix has no emitter of this name with pixels",
+                        command->emitter);
+    return mcv_fail(error, MCV_USAGE,
+                    "the matrix has no emitter with pixels, or several of which --emitter must "
+                    "name one");
 }
 
 /* --- pictures --- */

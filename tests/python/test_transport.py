@@ -151,5 +151,5 @@ def test_inverse_pattern(transport):
     dark = transport.inverse_pattern(field="dark")
     shown = transport.relight({"projector": np.asarray(dark)[:, :, None]})
     assert not np.asarray(shown).any()
-    with pytest.raises(mv.Error, match="the matrix has pixels of"):
+    with pytest.raises(mv.Error, match="no emitter of this name with pixels"):
         transport.inverse_pattern(emitter="sun")
