@@ -87,6 +87,9 @@
     X(detect, DETECT, "detect", "WITH.exr WITHOUT.exr", \
       "tell how well a camera can tell a defect from its noise: contrast and detectability d', " \
       "from renders with and without it") \
+    X(warm, WARM, "warm", "[SCENE…]", \
+      "compile ahead what renders of these scenes need, so that they begin at once; without a " \
+      "scene, what rigs of `mcvisi new` need") \
     X(devices, DEVICES, "devices", "", "list the OpenCL devices and their numbers") \
     X(help, HELP, "help", "[VERB]", "explain a verb and its options")
 
@@ -107,11 +110,12 @@ enum {
     MCV_IN_RENDERS = MCV_IN_RENDER | MCV_IN_EXPERIMENTS, /* verbs that render scenes */
     /* That trace paths. */
     MCV_IN_PATHS = MCV_IN_RENDERS | MCV_IN_COMPARE | MCV_IN_TRANSPORT | MCV_IN_DEFLECTION,
+    MCV_IN_PROGRAMS = MCV_IN_PATHS | MCV_IN_WARM, /* that choose OpenCL programs */
     MCV_IN_FIGURES = MCV_IN_MEASURE | MCV_IN_EXPERIMENTS,
     MCV_IN_GREY = MCV_IN_RENDERS | MCV_IN_CAMERA,
     MCV_IN_EXPOSES = MCV_IN_GREY | MCV_IN_DETECT,
-    MCV_IN_SCENES = MCV_IN_PATHS | MCV_IN_CHECK | MCV_IN_TRACE | MCV_IN_MEASURE | MCV_IN_EXPLAIN |
-                    MCV_IN_CAMERA_MODEL
+    MCV_IN_SCENES = MCV_IN_PROGRAMS | MCV_IN_CHECK | MCV_IN_TRACE | MCV_IN_MEASURE |
+                    MCV_IN_EXPLAIN | MCV_IN_CAMERA_MODEL
 };
 
 /*
@@ -190,7 +194,7 @@ enum {
     X(number, f_number, "f-number", 0, "N", MCV_IN_NEW, NULL, 0, 1e4, \
       "the working f-number, on the image side") \
     X(text, sensor, "sensor", 0, "NAME", \
-      MCV_IN_EXPLAIN | MCV_IN_PATHS | MCV_IN_CHECK | MCV_IN_MEASURE | MCV_IN_CAMERA_MODEL | \
+      MCV_IN_EXPLAIN | MCV_IN_PROGRAMS | MCV_IN_CHECK | MCV_IN_MEASURE | MCV_IN_CAMERA_MODEL | \
           MCV_IN_DETECT, \
       NULL, 0, 0, "use only this sensor, by name or number") \
     X(count, spp, "spp", 0, "N", MCV_IN_PATHS, NULL, 1, 1ull << 37, \
@@ -221,12 +225,12 @@ enum {
       "give noisier pixels more samples, and the others fewer: on: if a pilot says that it " \
       "takes fewer samples; auto: if it wins even where noisy pixels take longer; --spp then " \
       "limits the mean; the part `samples` of the OpenEXR file has the number of each pixel") \
-    X(choice, sampler, "sampler", 0, "sobol|random", MCV_IN_PATHS, "sobol", 0, 0, \
+    X(choice, sampler, "sampler", 0, "sobol|random", MCV_IN_PROGRAMS, "sobol", 0, 0, \
       "Owen-scrambled Sobol' points, or independent random points") \
-    X(choice, split, "split", 0, "on|off", MCV_IN_PATHS, "on", 0, 0, \
+    X(choice, split, "split", 0, "on|off", MCV_IN_PROGRAMS, "on", 0, 0, \
       "on: at glass, sheets and beam splitters follow both the reflected and the transmitted " \
       "path; off: follow one of them at random") \
-    X(choice, light_paths, "light-paths", 0, "auto|on|off", MCV_IN_PATHS, "auto", 0, 0, \
+    X(choice, light_paths, "light-paths", 0, "auto|on|off", MCV_IN_PROGRAMS, "auto", 0, 0, \
       "light paths from emitters: auto: `render` measures how many are worth their time, other " \
       "commands trace as many as `on` does; on: as many as the scene's geometry suggests; off: " \
       "none, then caustics of lights without extent are missing") \
@@ -241,18 +245,18 @@ enum {
       MCV_IN_EXPLAIN | MCV_IN_PATHS | MCV_IN_CAMERA_MODEL, NULL, 1, 65536, \
       "other number of pixels on the same field of view; macro pixels for a light field " \
       "camera") \
-    X(choice, schedule, "schedule", 0, "auto|tile|stream", MCV_IN_PATHS, "auto", 0, 0, \
+    X(choice, schedule, "schedule", 0, "auto|tile|stream", MCV_IN_PROGRAMS, "auto", 0, 0, \
       "how the stages are launched: tile, a slice of the image at a time (CPUs); stream, one " \
       "launch per stage (GPUs); both give the same bits") \
-    X(text, device, "device", 0, "D", MCV_IN_PATHS | MCV_IN_TRACE, NULL, 0, 0, \
+    X(text, device, "device", 0, "D", MCV_IN_PROGRAMS | MCV_IN_TRACE, NULL, 0, 0, \
       "a number from `mcvisi devices`, PLATFORM:TYPE:NAME, or several as in 0,1, which share " \
       "the image; or `reference`: the independent renderer in double precision, slow") \
-    X(choice, precision, "precision", 0, "single|mixed|double", MCV_IN_PATHS | MCV_IN_TRACE, NULL, \
-      0, 0, \
+    X(choice, precision, "precision", 0, "single|mixed|double", MCV_IN_PROGRAMS | MCV_IN_TRACE, \
+      NULL, 0, 0, \
       "single: float32, the default; mixed: hits on smooth surfaces and directions behind " \
       "them in double; double: all in double, by the reference renderer, slow") \
-    X(count, threads, "threads", 0, "N", MCV_IN_PATHS | MCV_IN_TRACE | MCV_IN_LIGHTFIELD, NULL, 1, \
-      1024, \
+    X(count, threads, "threads", 0, "N", MCV_IN_PROGRAMS | MCV_IN_TRACE | MCV_IN_LIGHTFIELD, NULL, \
+      1, 1024, \
       "threads of the host, for building the scene, the reference renderer and the gradient; " \
       "by default one per core") \
     X(text, rays, "rays", 0, "rays.csv", MCV_IN_TRACE, NULL, 0, 0, \
@@ -348,7 +352,7 @@ enum {
       MCV_IN_RENDERS | MCV_IN_MERGE | MCV_IN_NEW | MCV_IN_CHECK | MCV_IN_COMPARE | MCV_IN_CAMERA | \
           MCV_IN_CAMERA_MODEL | MCV_IN_MEASURE | MCV_IN_POD | MCV_IN_LIGHTFIELD | MCV_IN_IMPORT | \
           MCV_IN_DEVICES | MCV_IN_HELP | MCV_IN_DEFECT | MCV_IN_DETECT | MCV_IN_TRANSPORT | \
-          MCV_IN_RELIGHT | MCV_IN_DEFLECTION | MCV_IN_INVERSE | MCV_IN_EXPLAIN, \
+          MCV_IN_RELIGHT | MCV_IN_DEFLECTION | MCV_IN_INVERSE | MCV_IN_EXPLAIN | MCV_IN_WARM, \
       NULL, 0, 0, \
       "print JSON in SI units; render prints one object per sensor, each on one line; help " \
       "prints a schema of the options")

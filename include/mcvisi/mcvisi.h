@@ -220,6 +220,14 @@ MCV_API mcv_result mcv_session_check(mcv_session *session, const mcv_rig *rig, c
 MCV_API mcv_result mcv_session_explain(mcv_session *session, const mcv_rig *rig,
                                        const char *options, char **report, mcv_error *error);
 
+/*
+ * Compiles the OpenCL programs that renders of the rig need, unless the driver has them, so that
+ * renders begin at once: options are those of `mcvisi warm`. *report: {"scene" (of a file),
+ * "programs": [{"name": sensor, "type": device, "seconds", "features"}]}.
+ */
+MCV_API mcv_result mcv_session_warm(mcv_session *session, const mcv_rig *rig, const char *options,
+                                    char **report, mcv_error *error);
+
 /* What a running render tells. `size` is that of the struct; new members are added at the end. */
 typedef struct mcv_progress {
     size_t size;
