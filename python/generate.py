@@ -226,6 +226,16 @@ RIG_VERBS = [
         "return self._transport(progress, session, options)",
     ),
     Verb(
+        "deflectometry",
+        "deflectometry",
+        "Shows fringes on a screen to a mirroring part: its heights [m] as an image with errors;\n"
+        "part() gives slopes, places on the screen and modulation, stats the report.\n\n"
+        + PROGRESS.replace(", with the picture so far", ""),
+        "progress: ProgressOption = None; session: Optional[Session] = None",
+        "Image",
+        "return self._deflectometry(progress, session, options)",
+    ),
+    Verb(
         "optimize",
         "optimize",
         "Searches for the parameters at which what is measured is largest or smallest.\n\n"

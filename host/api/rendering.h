@@ -7,6 +7,7 @@
 #include "api/handles.h"
 #include "api/saves.h"
 #include "report/summary.h"
+#include "transport/matrix.h"
 #include "verbs/render_picture.h"
 
 /* A render while it runs, for its callback. */
@@ -41,6 +42,12 @@ mcv_result mcv_rendering_saves(mcv_rendering *r, const mcv_command *command, con
 mcv_result mcv_rendering_run(mcv_rendering *r, mcv_session *session, const mcv_command *command,
                              const mcv_scene *scene, uint32_t sensor, mcv_render_options *options,
                              mcv_film *film, mcv_render_stats *stats, mcv_error *error);
+
+/* Transport.c: renders the light transport matrix of a sensor (transport/matrix.h). The scene's
+ * emitters then show white. The caller frees the matrix, also after failure. */
+mcv_result mcv_rendering_matrix(mcv_session *session, const mcv_command *command, mcv_rendering *r,
+                                mcv_scene *scene, uint32_t sensor, mcv_matrix *matrix,
+                                mcv_error *error);
 
 /* What is told of it. The sensor's label and the scene's path are borrowed. */
 mcv_summary mcv_rendering_summary(const mcv_rendering *r, double seconds_load);

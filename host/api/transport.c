@@ -81,7 +81,7 @@ static mcv_result finish_matrix(const mcv_rendering *r, const mcv_gather *gather
     return keep_attributes(r, matrix, error);
 }
 
-static mcv_result gather_matrix(mcv_session *session, const mcv_command *command, mcv_rendering *r,
+mcv_result mcv_rendering_matrix(mcv_session *session, const mcv_command *command, mcv_rendering *r,
                                 mcv_scene *scene, uint32_t sensor, mcv_matrix *matrix,
                                 mcv_error *error) {
     mcv_render_options options;
@@ -163,7 +163,8 @@ static mcv_result render_matrix(mcv_session *session, const mcv_rig *rig,
     mcv_result result = mcv_session_sensor(scene, command, &sensor, error);
     if (result == MCV_OK) result = new_transport(scene->path, transport, error);
     if (result == MCV_OK)
-        result = gather_matrix(session, command, r, scene, sensor, &(*transport)->matrix, error);
+        result =
+            mcv_rendering_matrix(session, command, r, scene, sensor, &(*transport)->matrix, error);
     mcv_scene_free(scene);
     if (result == MCV_OK && command->matrix)
         result = mcv_matrix_write(&(*transport)->matrix, command->matrix, error);

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "cli/progress.h"
 
+#include "cli/interrupt.h"
+
 #include "core/basics.h"
 
 #include <math.h>
@@ -82,4 +84,15 @@ void mcv_progress_end(mcv_progress_line *line) {
     if (line->terminal && line->width > 0) fprintf(line->stream, "\r%*s\r", line->width, "");
     fflush(line->stream);
     line->width = 0;
+}
+
+bool mcv_progress_show(void *user, const mcv_progress *progress) {
+    mcv_progress_shown *s = user;
+    if (!s->open) {
+        mcv_interrupt_watch(false);
+        s->line = mcv_progress_stderr(progress->sensor, &mcv_interrupt);
+        s->open = true;
+        return mcv_interrupt == 0;
+    }
+    return mcv_progress_report(&s->line, progress->fraction, progress->seconds, progress->error);
 }

@@ -6,6 +6,8 @@
 #ifndef MCVISI_HOST_CLI_PROGRESS_H
 #define MCVISI_HOST_CLI_PROGRESS_H
 
+#include "mcvisi/mcvisi.h"
+
 #include <signal.h>
 #include <stdbool.h>
 #include <stdio.h>
@@ -30,6 +32,15 @@ mcv_progress_line mcv_progress_stderr(const char *label, const volatile sig_atom
 /* Tells how far the render is: fraction 0 … 1, NaN while kernels are compiled; seconds so far;
  * error: relative, so far; NaN or 0: not known. False where it must stop. */
 bool mcv_progress_report(mcv_progress_line *line, double fraction, double seconds, double error);
+
+/* The progress of a call of the library: its callback, with `user` one of these, which begins with
+ * {.open = false}. Where it is open in the end, its line is to be ended. */
+typedef struct mcv_progress_shown {
+    mcv_progress_line line;
+    bool open;
+} mcv_progress_shown;
+
+bool mcv_progress_show(void *user, const mcv_progress *progress);
 
 /* Clears the line on the terminal. */
 void mcv_progress_end(mcv_progress_line *line);

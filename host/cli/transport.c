@@ -8,37 +8,20 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* What is shown while it renders. */
-typedef struct shown {
-    mcv_progress_line line;
-    bool open;
-} shown;
-
-static bool on_progress(void *user, const mcv_progress *progress) {
-    shown *s = user;
-    if (!s->open) {
-        mcv_interrupt_watch(false);
-        s->line = mcv_progress_stderr(progress->sensor, &mcv_interrupt);
-        s->open = true;
-        return mcv_interrupt == 0;
-    }
-    return mcv_progress_report(&s->line, progress->fraction, progress->seconds, progress->error);
-}
-
 mcv_result mcv_verb_transport(const mcv_command *command, mcv_error *error) {
     mcv_command named = *command;
     mcv_client client = {0};
     mcv_transport *transport = NULL;
     char *report = NULL, *name = NULL;
-    shown s = {.open = false};
+    mcv_progress_shown shown = {.open = false};
     mcv_result result =
         command->matrix ? MCV_OK : mcv_client_name(command->argument, ".npz", &name, error);
     if (name) named.matrix = name;
     if (result == MCV_OK) result = mcv_client_open(&named, command->argument, &client, error);
     if (result == MCV_OK)
-        result = mcv_session_transport(client.session, client.rig, client.options, on_progress, &s,
-                                       &transport, &report, error);
-    if (s.open) mcv_progress_end(&s.line);
+        result = mcv_session_transport(client.session, client.rig, client.options,
+                                       mcv_progress_show, &shown, &transport, &report, error);
+    if (shown.open) mcv_progress_end(&shown.line);
     if (result == MCV_OK) result = mcv_client_print(report, command->json, error);
     mcv_transport_free(transport);
     mcv_client_close(&client);
@@ -85,16 +68,16 @@ static mcv_result open_matrix(const mcv_command *command, const char *const *own
                               mcv_transport **transport, mcv_error *error) {
     const size_t length = strlen(command->argument);
     mcv_client client = {0};
-    shown s = {.open = false};
+    mcv_progress_shown shown = {.open = false};
     char *options = NULL;
     if (length > 4 && strcmp(command->argument + length - 4, ".npz") == 0)
         return mcv_transport_read(command->argument, transport, error);
     mcv_result result = mcv_client_options(command, own, &options, error);
     if (result == MCV_OK) result = mcv_client_open(command, command->argument, &client, error);
     if (result == MCV_OK)
-        result = mcv_session_transport(client.session, client.rig, options, on_progress, &s,
-                                       transport, NULL, error);
-    if (s.open) mcv_progress_end(&s.line);
+        result = mcv_session_transport(client.session, client.rig, options, mcv_progress_show,
+                                       &shown, transport, NULL, error);
+    if (shown.open) mcv_progress_end(&shown.line);
     mcv_client_close(&client);
     free(options);
     return result == MCV_INTERRUPTED ? mcv_interrupt_result() : result;

@@ -7,6 +7,7 @@
 #include "options/options_camera.h"
 #include "options/options_defect.h"
 #include "options/options_deflection.h"
+#include "options/options_deflectometry.h"
 #include "options/options_detect.h"
 #include "options/options_experiment.h"
 #include "options/options_inverse.h"
@@ -74,6 +75,9 @@
     X(inverse, INVERSE, "inverse-pattern", "MATRIX.npz", \
       "make the pattern under which a flawless part looks even and defects stand out, from the " \
       "part's light transport matrix") \
+    X(deflectometry, DEFLECTOMETRY, "deflectometry", "SCENE", \
+      "show fringes on a screen to a mirroring part, and find its slopes and heights with their " \
+      "uncertainties, and the period of fringes that makes these least") \
     X(explain, EXPLAIN, "explain", "SCENE", \
       "list the paths that make a pixel: which surfaces they meet, which emitter they come from, " \
       "and their shares of its light") \
@@ -108,8 +112,9 @@ enum {
     /* Verbs that render many sets. */
     MCV_IN_EXPERIMENTS = MCV_IN_SWEEP | MCV_IN_UNCERTAINTY | MCV_IN_OPTIMIZE,
     MCV_IN_RENDERS = MCV_IN_RENDER | MCV_IN_EXPERIMENTS, /* verbs that render scenes */
-    /* That trace paths. */
-    MCV_IN_PATHS = MCV_IN_RENDERS | MCV_IN_COMPARE | MCV_IN_TRANSPORT | MCV_IN_DEFLECTION,
+    /* That record transport matrices. */
+    MCV_IN_MATRICES = MCV_IN_TRANSPORT | MCV_IN_DEFLECTION | MCV_IN_DEFLECTOMETRY,
+    MCV_IN_PATHS = MCV_IN_RENDERS | MCV_IN_COMPARE | MCV_IN_MATRICES, /* that trace paths */
     MCV_IN_PROGRAMS = MCV_IN_PATHS | MCV_IN_WARM, /* that choose OpenCL programs */
     MCV_IN_FIGURES = MCV_IN_MEASURE | MCV_IN_EXPERIMENTS,
     MCV_IN_GREY = MCV_IN_RENDERS | MCV_IN_CAMERA,
@@ -210,8 +215,7 @@ enum {
     X(range, samples, "samples", 0, "A:B", MCV_IN_RENDER, NULL, 0, 1ull << 31, \
       "render only samples A to B - 1 of each replicate; B - A is a power of two and A a " \
       "multiple of it") \
-    X(count, replicates, "replicates", 0, "R", \
-      MCV_IN_RENDERS | MCV_IN_TRANSPORT | MCV_IN_DEFLECTION, "4", 1, 64, \
+    X(count, replicates, "replicates", 0, "R", MCV_IN_RENDERS | MCV_IN_MATRICES, "4", 1, 64, \
       "number of independent scrambles of the sample points; their spread gives the standard " \
       "error") \
     X(count, repeats, "replicates", 0, "R", MCV_IN_COMPARE, "16", 2, 64, \
@@ -235,8 +239,7 @@ enum {
       "commands trace as many as `on` does; on: as many as the scene's geometry suggests; off: " \
       "none, then caustics of lights without extent are missing") \
     X(count, seed, "seed", 0, "S", \
-      MCV_IN_GREY | MCV_IN_COMPARE | MCV_IN_TRANSPORT | MCV_IN_DEFLECTION | MCV_IN_EXPLAIN, "0", \
-      0, UINT32_MAX, \
+      MCV_IN_GREY | MCV_IN_COMPARE | MCV_IN_MATRICES | MCV_IN_EXPLAIN, "0", 0, UINT32_MAX, \
       "seed of the noise; the same seed gives the same bits; with one seed, all images of a " \
       "sequence have the same noise") \
     X(count, depth, "depth", 0, "N", MCV_IN_EXPLAIN | MCV_IN_PATHS | MCV_IN_TRACE, "32", 1, \
@@ -333,6 +336,7 @@ enum {
     MCV_DEFLECTION_OPTIONS(X) \
     MCV_INVERSE_OPTIONS(X) \
     MCV_DEFECT_OPTIONS(X) \
+    MCV_DEFLECTOMETRY_OPTIONS(X) \
     MCV_DETECT_OPTIONS(X) \
     X(list, set, "set", 0, "PATH=VALUE", MCV_IN_SCENES | MCV_IN_RELIGHT | MCV_IN_DETECT, NULL, 0, \
       0, \
@@ -351,8 +355,8 @@ enum {
     X(flag, json, "json", 0, NULL, \
       MCV_IN_RENDERS | MCV_IN_MERGE | MCV_IN_NEW | MCV_IN_CHECK | MCV_IN_COMPARE | MCV_IN_CAMERA | \
           MCV_IN_CAMERA_MODEL | MCV_IN_MEASURE | MCV_IN_POD | MCV_IN_LIGHTFIELD | MCV_IN_IMPORT | \
-          MCV_IN_DEVICES | MCV_IN_HELP | MCV_IN_DEFECT | MCV_IN_DETECT | MCV_IN_TRANSPORT | \
-          MCV_IN_RELIGHT | MCV_IN_DEFLECTION | MCV_IN_INVERSE | MCV_IN_EXPLAIN | MCV_IN_WARM, \
+          MCV_IN_DEVICES | MCV_IN_HELP | MCV_IN_DEFECT | MCV_IN_DETECT | MCV_IN_MATRICES | \
+          MCV_IN_RELIGHT | MCV_IN_INVERSE | MCV_IN_EXPLAIN | MCV_IN_WARM, \
       NULL, 0, 0, \
       "print JSON in SI units; render prints one object per sensor, each on one line; help " \
       "prints a schema of the options")

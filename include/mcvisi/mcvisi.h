@@ -517,6 +517,19 @@ MCV_API mcv_result mcv_session_transport(mcv_session *session, const mcv_rig *ri
                                          void *user, mcv_transport **transport, char **report,
                                          mcv_error *error);
 
+/*
+ * Deflectometry: fringes on a screen, seen in a mirroring part, give its slopes and heights.
+ * Options are those of `mcvisi deflectometry`; "plane" is required, and with "output" and "png" its
+ * files are written, too. The picture has the heights [m] as part "image" and their standard
+ * uncertainty as "error"; "slope", "slope error", "place" [m], "screen" [its pixels] and
+ * "modulation" have two channels. NaN: not seen. Where progress returns false: MCV_INTERRUPTED,
+ * without a picture. *report may be NULL.
+ */
+MCV_API mcv_result mcv_session_deflectometry(mcv_session *session, const mcv_rig *rig,
+                                             const char *options, mcv_progress_call *progress,
+                                             void *user, mcv_picture **picture, char **report,
+                                             mcv_error *error);
+
 /* Reads .npz; writes .npz or .mtx, whole or not at all. */
 MCV_API mcv_result mcv_transport_read(const char *path, mcv_transport **transport,
                                       mcv_error *error);

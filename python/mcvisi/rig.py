@@ -333,6 +333,13 @@ class Rig(RigVerbs, Handle):
         with Bar(progress) as told:
             return session_of(session)._render_matrix(rig, options, told)
 
+    def _deflectometry(
+        self, progress: ProgressOption, session: Optional[Session], options: Mapping[str, Any]
+    ) -> "Image":
+        rig = self._snapshot()
+        with Bar(progress) as told:
+            return session_of(session)._deflectometry(rig, options, told)
+
     async def _render_async(
         self, progress: ProgressOption, session: Optional[Session], options: Mapping[str, Any]
     ) -> "Image":

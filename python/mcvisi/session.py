@@ -131,6 +131,15 @@ class _TransportRender(_Render):
         return Transport._of(made[0], _report(report))
 
 
+class _Deflectometry(_Render):
+    """The slopes and heights of a part."""
+
+    def _call(self, callback: Any) -> Any:
+        made, report = ffi.new("mcv_picture **"), ffi.new("char **")
+        call("mcv_session_deflectometry", *self.arguments, callback, ffi.NULL, made, report)
+        return _image(made[0], _report(report))
+
+
 def _report(text: Any) -> Mapping[str, Any]:
     words = take_text(text)
     report: Mapping[str, Any] = json.loads(words) if words else {}
@@ -277,6 +286,15 @@ class Session(Handle):
         progress: Optional[Callable[[Progress], Optional[bool]]],
     ) -> "Transport":
         made: "Transport" = self._render(rig, options, progress, None, _TransportRender)
+        return made
+
+    def _deflectometry(
+        self,
+        rig: Any,
+        options: Mapping[str, Any],
+        progress: Optional[Callable[[Progress], Optional[bool]]],
+    ) -> "Image":
+        made: "Image" = self._render(rig, options, progress, None, _Deflectometry)
         return made
 
 

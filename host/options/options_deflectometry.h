@@ -1,0 +1,26 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* The options of `mcvisi deflectometry`: a part of MCV_OPTIONS (options/options.h). */
+#ifndef MCVISI_HOST_OPTIONS_OPTIONS_DEFLECTOMETRY_H
+#define MCVISI_HOST_OPTIONS_OPTIONS_DEFLECTOMETRY_H
+
+#define MCV_DEFLECTOMETRY_OPTIONS(X) \
+    X(text, shape, "output", 'o', "F.exr", MCV_IN_DEFLECTOMETRY, NULL, 0, 0, \
+      "the heights [m]; further parts are their standard uncertainty, slopes, places on the " \
+      "screen and modulation") \
+    X(text, shape_png, "png", 0, "F.png", MCV_IN_DEFLECTOMETRY, NULL, 0, 0, \
+      "a picture of the heights") \
+    X(text, plane, "plane", 0, "NODE", MCV_IN_DEFLECTOMETRY, NULL, 0, 0, \
+      "the part lies about the x-y plane of this node; heights are along its z") \
+    X(text, screen, "screen", 0, "NAME", MCV_IN_DEFLECTOMETRY, NULL, 0, 0, \
+      "the screen, where the scene has several") \
+    X(choice, unwrap, "unwrap", 0, "heterodyne|gray", MCV_IN_DEFLECTOMETRY, "heterodyne", 0, 0, \
+      "how periods are told apart: by fringes of one period less, or by a Gray code") \
+    X(number, fringe_noise, "noise", 0, "S", MCV_IN_DEFLECTOMETRY, NULL, 0, 1e30, \
+      "standard deviation of the camera's noise, in the unit of the image; by default there is " \
+      "none but that of the render") \
+    X(flag, level, "level", 0, NULL, MCV_IN_DEFLECTOMETRY, NULL, 0, 0, \
+      "take the best plane from the heights") \
+    X(flag, flat_screen, "flat-screen", 0, NULL, MCV_IN_DEFLECTOMETRY, NULL, 0, 0, \
+      "evaluate as if the screen were flat, whatever its sag: shows what that costs")
+
+#endif
