@@ -3,8 +3,9 @@
 """Puts the libraries that a wheel needs into it: repair.py WHEEL FOLDER
 
 auditwheel copies the libraries and says on which systems the wheel runs. The stand-ins of
-python/stand-ins come in place of libjbig, which is under the GPL, and of cairo, which brings X11.
-The licence of each library, as Debian has it, lies beside the package's own.
+python/stand-ins come in place of libjbig, which is under the GPL, of cairo, which brings X11, and of
+LAPACKE, which brings Fortran. The licence of each library, as Debian has it, lies beside the
+package's own, with the texts that it names, and SOURCES says which of Debian's sources it is of.
 """
 
 from __future__ import annotations
@@ -21,13 +22,20 @@ import time
 import zipfile
 
 STAND_INS = pathlib.Path(__file__).resolve().parent / "stand-ins"
-SONAMES = {"jbig.c": "libjbig.so.0", "cairo.c": "libcairo.so.2"}
+SONAMES = {"jbig.c": "libjbig.so.0", "cairo.c": "libcairo.so.2", "lapacke.c": "liblapacke.so.3"}
+COMMON = pathlib.Path("/usr/share/common-licenses")
+SOURCES = """Each library of this wheel is that of a package of Debian 12, whose copyright file lies here.
+Its sources are Debian's, in the version below (apt source NAME=VERSION).
+Some files of NLopt are under the GNU Lesser General Public License 2.1 or later: another
+libnlopt.so.0 may take the place of the one in the folder mcvisi.libs, under its name.
+
+"""
 
 
 def build_stand_ins(folder: pathlib.Path) -> None:
     for source, name in SONAMES.items():
         command = [os.environ.get("CC", "cc"), "-shared", "-fPIC", "-O2", "-Wl,-soname," + name]
-        subprocess.run([*command, "-o", folder / name, STAND_INS / source], check=True)
+        subprocess.run([*command, "-o", folder / name, STAND_INS / source, "-lm"], check=True)
 
 
 def repair(wheel: pathlib.Path, folder: pathlib.Path, libraries: pathlib.Path) -> pathlib.Path:
@@ -46,12 +54,28 @@ def repair(wheel: pathlib.Path, folder: pathlib.Path, libraries: pathlib.Path) -
     return next(folder.glob("*.whl"))
 
 
-def licence(library: str) -> "tuple[str, bytes]":
-    """The Debian package that a library is of, and its copyright file."""
-    owner = subprocess.run(
-        ["dpkg-query", "--search", "*/" + library], capture_output=True, text=True, check=True
-    ).stdout.split(":")[0]
-    return owner, pathlib.Path("/usr/share/doc", owner, "copyright").read_bytes()
+def query(*words: str) -> str:
+    return subprocess.run(
+        ["dpkg-query", *words], capture_output=True, text=True, check=True
+    ).stdout
+
+
+def licences(libraries: "list[str]") -> "dict[str, bytes]":
+    """By name: the copyright files of the Debian packages that the libraries are of, the texts that
+    these name, and what says where the sources are."""
+    files: "dict[str, bytes]" = {}
+    sources = SOURCES
+    for library in libraries:
+        owner = query("--search", "*/" + library).split(":")[0]
+        files[owner] = pathlib.Path("/usr/share/doc", owner, "copyright").read_bytes()
+        version = query("--show", "--showformat", "${source:Package}=${source:Version}", owner)
+        sources += "%s: %s, of %s\n" % (library, owner, version)
+    pattern = rb"/usr/share/common-licenses/([A-Z][A-Za-z0-9.-]*\w)"
+    named = re.findall(pattern, b"".join(files.values()))
+    for name in sorted({word.decode() for word in named}):
+        files["common/" + name] = (COMMON / name).read_bytes()
+    files["SOURCES"] = sources.encode()
+    return files
 
 
 def original_name(path: str) -> str:
@@ -80,10 +104,10 @@ def add_licences(wheel: pathlib.Path) -> "list[str]":
     folder = record[: -len("RECORD")] + "licenses/libraries/"
     contents = {info.filename: (info.external_attr, data) for info, data in members}
     lines = contents.pop(record)[1].decode().splitlines()
-    for owner, text in dict(map(licence, foreign)).items():
+    for name, text in licences(foreign).items():
         digest = base64.urlsafe_b64encode(hashlib.sha256(text).digest()).rstrip(b"=").decode()
-        contents[folder + owner] = (0o644 << 16, text)
-        lines.append("%s,sha256=%s,%d" % (folder + owner, digest, len(text)))
+        contents[folder + name] = (0o644 << 16, text)
+        lines.append("%s,sha256=%s,%d" % (folder + name, digest, len(text)))
     partial = wheel.with_suffix(".partial")
     with zipfile.ZipFile(partial, "w") as archive:
         for name, (mode, data) in sorted(contents.items()):
