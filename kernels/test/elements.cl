@@ -5,6 +5,7 @@
  */
 #include "path/sampler.h"
 #include "world.h"
+#include "mcvisi/elementary.h"
 #include "mcvisi/emitters/environment.h"
 #include "mcvisi/emitters/light_field.h"
 #include "mcvisi/emitters/parallel.h"
