@@ -86,8 +86,8 @@ double *mcv_mann_whitney(uint32_t nx, uint32_t ny) {
     for (size_t i = 1; i <= nx; ++i) {
         for (size_t j = 1; j <= ny; ++j) {
             double *here = ways + j * stride;
-            for (size_t u = stride; u-- > 0;)
-                here[u] = (u >= j ? here[u - j] : 0) + here[u - stride];
+            const double *fewer = here - stride; /* y */
+            for (size_t u = stride; u-- > 0;) here[u] = (u >= j ? here[u - j] : 0) + fewer[u];
         }
     }
     const double *all = ways + ny * stride;
