@@ -2,6 +2,8 @@
 #include "analysis/read_speckle.h"
 
 #include "analysis/speckle.h"
+#include "io/picture_header.h"
+#include "scene/params.h"
 
 #include <math.h>
 #include <string.h>
@@ -56,6 +58,36 @@ static mcv_result check_grid(subpixels *laser, const char *path, const mcv_exr *
                     needed, needed, needed);
 }
 
+/* A whole number of the header, 0 where there is none of a sensible size. */
+static uint32_t whole_number(const mcv_exr *exr, const char *name) {
+    const double *number = mcv_exr_numbers(exr, name, 1);
+    return number && *number >= 0 && *number <= 1000 ? (uint32_t)*number : 0;
+}
+
+/* What of the stop is open, by the header. */
+static mcv_result read_aperture(const char *path, const mcv_exr *exr, mcv_aperture_shape *aperture,
+                                mcv_error *error) {
+    const mcv_attribute *word = mcv_exr_attribute(exr, MCV_PICTURE_APERTURE);
+    const double *ratio = mcv_exr_numbers(exr, "mcvisi:apertureRatio", 1),
+                 *rotation = mcv_exr_numbers(exr, "mcvisi:apertureRotation", 1);
+    const char *const *words = mcv_param_options("aperture");
+    *aperture = (mcv_aperture_shape){.shape = MCV_APERTURE_DISC,
+                                     .ratio = ratio ? *ratio : NAN,
+                                     .rotation = rotation ? *rotation : NAN,
+                                     .blades = whole_number(exr, "mcvisi:apertureBlades"),
+                                     .order = whole_number(exr, "mcvisi:apertureOrder")};
+    if (!word) return MCV_OK;
+    for (int i = MCV_APERTURE_DISC; i <= MCV_APERTURE_CODED; ++i) {
+        aperture->shape = i;
+        if (word->text && strcmp(word->text, words[i]) == 0 && mcv_aperture_is_valid(aperture))
+            return MCV_OK;
+    }
+    return mcv_fail(error, MCV_BAD_INPUT,
+                    "%s: %s in its header is \"%s\": must be a shape of sensors with its numbers "
+                    "beside it, as `mcvisi render` writes it",
+                    path, MCV_PICTURE_APERTURE, word->text ? word->text : "");
+}
+
 /* What the headers and settings say of the speckle. */
 static mcv_result describe(const mcv_camera_settings *settings, const char *path,
                            const mcv_exr *exr, const mcv_exr *laser, mcv_speckle *speckle,
@@ -65,9 +97,11 @@ static mcv_result describe(const mcv_camera_settings *settings, const char *path
     if (!f_number || !mcv_camera_pixel_size(exr, size) ||
         mcv_exr_attribute(exr, "mcvisi:angularResolution"))
         return mcv_fail(error, MCV_BAD_INPUT,
-                        "%s: has no f-number and pixel size of one round stop in its header, which "
+                        "%s: has no f-number and pixel size of one stop in its header, which "
                         "make the grains of speckle: use a thinLens or telecentric sensor",
                         path);
+    MCV_TRY(read_aperture(path, exr, &speckle->aperture, error));
+    speckle->disc_blurred = strcmp(settings->lens_mtf, "diffraction") == 0;
     speckle->f_number = *f_number;
     speckle->wavelength = *mcv_exr_numbers(laser, MCV_LASER_WAVELENGTH, 1);
     speckle->polarization = settings->speckle_polarization;

@@ -71,6 +71,8 @@ typedef struct speckle {
     const float *laser;
     size_t inner[2], before[2]; /* the image in sub-pixels, and the margin before it */
     grid grid;
+    bool whole; /* the pupil is the full disc */
+    mcv_aperture aperture;
     double *sums;    /* of w |U|², then less the mean, per sub-pixel of the grid */
     double *blurred; /* |h|²'s transform */
     double open;     /* frequencies that the pupil passes */
@@ -84,10 +86,21 @@ static double frequency(const speckle *s, int axis, size_t k) {
     return (2 * k < n ? (double)k : (double)k - (double)n) / ((double)n * s->given->pitch[axis]);
 }
 
+/* In the pupil's radii y is up. Which of two opposite places a frequency belongs to makes no
+ * difference to |U|². */
 static bool passes(const speckle *s, size_t column, size_t row) {
-    return 2 * s->given->wavelength * s->given->f_number *
-               hypot(frequency(s, 0, column), frequency(s, 1, row)) <=
-           1;
+    const double radius = 2 * s->given->wavelength * s->given->f_number,
+                 x = radius * frequency(s, 0, column), y = -radius * frequency(s, 1, row);
+    if (hypot(x, y) > 1) return false;
+    return s->whole || mcv_aperture_weight(&s->aperture, (float)x, (float)y) > 0;
+}
+
+static void set_pupil(speckle *s, bool whole) {
+    s->whole = whole;
+    s->open = 0;
+    for (size_t row = 0; row < s->grid.size[1]; ++row)
+        for (size_t column = 0; column < s->grid.size[0]; ++column)
+            s->open += passes(s, column, row);
 }
 
 /* Where E of a grid point stands, or NULL in the margin. */
@@ -186,6 +199,7 @@ static void each_row(speckle *s, void (*work)(void *, size_t)) {
 
 /* Takes E blurred by |h|² off the sums: |h|² is even, so its transform is real. */
 static void take_mean(speckle *s) {
+    if (s->given->disc_blurred) set_pupil(s, true);
     each_row(s, put_pupil_row);
     transform(&s->grid);
     each_row(s, square_row);
@@ -258,8 +272,9 @@ static void add_to_pixels(const speckle *s, uint32_t q, uint32_t width, uint32_t
 }
 
 static bool open_grid(speckle *s) {
-    enum { MARGIN = 16 }; /* in λN; beyond 8 of them |h|² holds 1 % */
-    const double grain = s->given->wavelength * s->given->f_number;
+    enum { MARGIN = 16 }; /* in λN; beyond 8 of them the disc's |h|² holds 1 % */
+    const double grain = s->given->wavelength * s->given->f_number *
+                         mcv_aperture_border(&s->given->aperture); /* |h|² falls by the border */
     for (int i = 0; i < 2; ++i) {
         const size_t margin = (size_t)ceil(MARGIN * grain / s->given->pitch[i]);
         s->before[i] = margin / 2 + 2;
@@ -272,9 +287,8 @@ static bool open_grid(speckle *s) {
     s->blurred = malloc(count * sizeof(double));
     if (!s->grid.values || !s->sums || !s->blurred || !s->grid.roots[0] || !s->grid.roots[1])
         return false;
-    for (size_t row = 0; row < s->grid.size[1]; ++row)
-        for (size_t column = 0; column < s->grid.size[0]; ++column)
-            s->open += passes(s, column, row);
+    mcv_aperture_prepare(&s->given->aperture, false, &s->aperture);
+    set_pupil(s, s->given->aperture.shape == MCV_APERTURE_DISC);
     return true;
 }
 

@@ -6,24 +6,24 @@
  *
  *     U = F⁻¹(P · F(√E n))    I = Σ w |U|² / ∫|h|²    Σ w = 1
  *
- * where P is the pupil, 1 within the frequency 1/(2λN), and h = F⁻¹ P. So grains are as large as
- * the lens's diffraction at the working f-number N makes them. The mean of I is E blurred by
- * diffraction. Each w is a pattern of its own: two polarisations have (1 ± p)/2, and M patterns
- * that other causes make have contrast 1/√M.
+ * where P is the pupil, 1 within the frequency 1/(2λN) where the aperture is open, and h = F⁻¹ P.
+ * So grains are as large as the lens's diffraction at the working f-number N makes them. The mean
+ * of I is E blurred by diffraction. Each w is a pattern of its own: two polarisations have (1 ±
+ * p)/2, and M patterns that other causes make have contrast 1/√M.
  */
 #ifndef MCVISI_HOST_ANALYSIS_SPECKLE_H
 #define MCVISI_HOST_ANALYSIS_SPECKLE_H
 
-#include "core/error.h"
-
-#include <stdint.h>
+#include "scene/aperture.h"
 
 typedef struct mcv_speckle {
-    double f_number;     /* working, image side, above 0 */
-    double wavelength;   /* [m] */
-    double pitch[2];     /* width and height of a sub-pixel [m], at most λN/4 */
-    double polarization; /* degree of polarisation of the scattered light: 0 … 1 */
-    double patterns;     /* M >= 1 */
+    double f_number;             /* of the full disc: working, image side, above 0 */
+    mcv_aperture_shape aperture; /* what of the disc is open: of valid numbers */
+    bool disc_blurred;           /* the light's mean is blurred by the full disc, not by P */
+    double wavelength;           /* [m] */
+    double pitch[2];             /* width and height of a sub-pixel [m], at most λN/4 */
+    double polarization;         /* degree of polarisation of the scattered light: 0 … 1 */
+    double patterns;             /* M >= 1 */
     uint32_t seed;
 } mcv_speckle;
 
@@ -39,9 +39,10 @@ double mcv_speckle_spectral_patterns(double linewidth, double wavelength, double
 
 /*
  * Adds to `light`, width x height pixels, what speckle changes of it: the mean over each pixel of I
- * less its expected value. `laser` is E at q x q sub-pixels of each pixel, in the unit of light.
- * The sum is at least 0 where `light` holds E blurred by diffraction. The same seed gives the same
- * speckle for every E. MCV_FAILED without memory.
+ * less its expected value; with disc_blurred less E as the full disc blurs it. `laser` is E at q x
+ * q sub-pixels of each pixel, in the unit of light. The sum is at least 0 where `light` holds E
+ * blurred by diffraction. The same seed gives the same speckle for every E. MCV_FAILED without
+ * memory.
  */
 mcv_result mcv_speckle_add(const mcv_speckle *given, const float *laser, uint32_t q, uint32_t width,
                            uint32_t height, float *light, mcv_error *error);

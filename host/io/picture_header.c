@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "io/picture_header.h"
 
+#include "scene/aperture.h"
 #include "scene/camera_model.h"
 #include "scene/params.h"
 #include "scene/sensors.h"
@@ -22,7 +23,14 @@ uint32_t mcv_header_attributes(const mcv_sensor *sensor,
                                mcv_attribute attributes[MCV_PICTURE_PARAMETERS],
                                char names[MCV_PICTURE_PARAMETERS][MCV_EXR_ATTRIBUTE_NAME]) {
     const mcv_param_table table = mcv_sensor_table(sensor->type);
+    const int aperture = mcv_sensor_aperture(sensor).shape;
     uint32_t count = 0;
+    if (aperture != MCV_APERTURE_DISC) {
+        snprintf(names[count], MCV_EXR_ATTRIBUTE_NAME, "%s", MCV_PICTURE_APERTURE);
+        attributes[count] =
+            (mcv_attribute){.name = names[count], .text = mcv_param_options("aperture")[aperture]};
+        ++count;
+    }
     for (size_t i = 0; i < table.count && count < MCV_PICTURE_PARAMETERS; ++i) {
         const mcv_param *param = table.params + i;
         const void *field = (const char *)&sensor->as + param->offset;

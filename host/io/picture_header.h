@@ -11,11 +11,14 @@
 mcv_result mcv_header_describe(const mcv_scene *scene, uint32_t sensor, mcv_image *image,
                                mcv_error *error);
 
-enum { MCV_PICTURE_PARAMETERS = 16 };
+enum { MCV_PICTURE_PARAMETERS = 17 };
+
+/* The word for an aperture that is no full disc; its numbers stand beside it. */
+#define MCV_PICTURE_APERTURE "mcvisi:aperture"
 
 /*
- * The sensor's numbers as mcvisi:focalLength, mcvisi:angularResolution …, from its parameter table.
- * Returns how many; names holds the attributes' names.
+ * The sensor's numbers as mcvisi:focalLength, mcvisi:angularResolution …, from its parameter table,
+ * and the shape of its aperture. Returns how many; names holds the attributes' names.
  */
 uint32_t mcv_header_attributes(const mcv_sensor *sensor,
                                mcv_attribute attributes[MCV_PICTURE_PARAMETERS],

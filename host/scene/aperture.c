@@ -53,6 +53,36 @@ double mcv_aperture_open(const mcv_aperture_shape *s) {
     }
 }
 
+bool mcv_aperture_is_valid(const mcv_aperture_shape *s) {
+    switch (s->shape) {
+    case MCV_APERTURE_RING:
+        return s->ratio > 0 && s->ratio < 1;
+    case MCV_APERTURE_HALF:
+        return isfinite(s->rotation);
+    case MCV_APERTURE_BLADES:
+        return isfinite(s->rotation) && s->blades >= 3;
+    case MCV_APERTURE_CODED:
+        return s->order >= 3 && s->order < MCV_MASK_SIDE && is_prime(s->order);
+    default:
+        return true;
+    }
+}
+
+double mcv_aperture_border(const mcv_aperture_shape *s) {
+    switch (s->shape) {
+    case MCV_APERTURE_RING:
+        return 1 / (1 - s->ratio);
+    case MCV_APERTURE_HALF:
+        return 1 + 2 / M_PI;
+    case MCV_APERTURE_BLADES:
+        return 1 / cos(M_PI / s->blades);
+    case MCV_APERTURE_CODED:
+        return s->order / (2 * inscribed);
+    default:
+        return 1;
+    }
+}
+
 void mcv_aperture_prepare(const mcv_aperture_shape *s, bool irradiance, mcv_aperture *device) {
     const double rotation = isnan(s->rotation) ? 0 : s->rotation,
                  ratio = isnan(s->ratio) ? 0 : s->ratio, open = mcv_aperture_open(s),

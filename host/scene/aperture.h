@@ -24,8 +24,15 @@ mcv_result mcv_sensor_resolve_aperture(mcv_sensor *sensor, const mcv_json_path *
 /* Is the cell of a code open? (i, j) from 0, i to the right and j down. */
 bool mcv_code_is_open(uint32_t order, uint32_t i, uint32_t j);
 
+/* Are its numbers those of its shape? Those of other shapes may be any. */
+bool mcv_aperture_is_valid(const mcv_aperture_shape *shape);
+
 /* Share of the disc that is open. */
 double mcv_aperture_open(const mcv_aperture_shape *shape);
+
+/* The length of what is open's border over its area, relative to the disc's 2/r. Of a code about
+ * so: a border lies on half of the cells' sides. */
+double mcv_aperture_border(const mcv_aperture_shape *shape);
 
 /* For the device; `irradiance`: the open area counts. */
 void mcv_aperture_prepare(const mcv_aperture_shape *shape, bool irradiance, mcv_aperture *device);
