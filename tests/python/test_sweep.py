@@ -198,23 +198,3 @@ def test_uncertainty(rig):
     assert len(study) == 4 * 3 and "Uncertainty" in repr(study)
     with pytest.raises(mv.UsageError, match="must be normal"):
         _ = rig.uncertainty({"sensors/camera/fNumber": "gauss(1)"}, metrics=["mean"]).rows
-
-
-def test_optimize(rig):
-    # A larger stop lets more light through: the best f-number is the smallest.
-    search = rig.optimize(
-        {"sensors/camera/fNumber": [4, 8]},
-        metrics={"b": "left.bright"},
-        objectives={"b": "largest"},
-        edges=PLACE,
-        evaluations=20,
-        spp=16,
-    )
-    assert search.winner["parameters"]["fNumber"] == 4 and search.front == []
-    # π L/(4 N²), in sums of single precision.
-    bright = search.winner["objectives"]["b"]["value"]
-    assert bright == pytest.approx(math.pi / (4 * 4**2), rel=1e-5)
-    assert {row["fNumber"] for row in search} == {4, 8}
-    assert search.finished and "Optimization" in repr(search)
-    with pytest.raises(mv.UsageError, match="objective"):
-        list(rig.optimize({"sensors/camera/fNumber": [4, 8]}, metrics=["left.bright"], edges=PLACE))
