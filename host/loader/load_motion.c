@@ -32,7 +32,9 @@ mcv_result mcv_load_motion(const json_t *node, bool has_sensor, mcv_sensor_motio
     if (!json_is_object(object)) return mcv_fail_at(&here, error, "must be an object");
     if (!has_sensor)
         return mcv_fail_at(&here, error,
-                           "is on a node without a sensor: sensors move, the scene stands still");
+                           "is on a node without a sensor: parts and lights stand still; let the "
+                           "sensor move the other way, which is the same where the light does not "
+                           "change along the way");
     MCV_TRY(check_keys(object, &here, error));
     MCV_TRY(mcv_json_numbers(object, "velocity", 3, -1e6, 1e6, motion->velocity, &here, error));
     MCV_TRY(mcv_json_numbers(object, "axis", 3, -1e6, 1e6, motion->axis, &here, error));

@@ -293,6 +293,14 @@ static ref_vec turned(ref_vec a, double angle, ref_vec p) {
         along, ref_add(ref_scale(cos(angle), aside), ref_scale(sin(angle), ref_cross(a, aside))));
 }
 
+/* The error of the encoder at the line of a stage. */
+static double line_error(const mcv_exposure *e, uint32_t row, double eta, double stage) {
+    const uint32_t line = row + (uint32_t)(eta * e->stages);
+    const double u = mcv_line_draw(e->seed, line, 0), v = mcv_line_draw(e->seed, line, 1);
+    return e->jitter * sqrt(-2 * log(u)) * cos(2 * M_PI * v) +
+           e->ripple * sin(2 * M_PI * (row + stage) * e->ripples_per_line);
+}
+
 ref_sensor_ray ref_sensor_ray_at(const mcv_sensor *sensor, uint32_t column, uint32_t row, double x,
                                  double y, double u, double v, double xi, double eta) {
     const mcv_exposure e = mcv_sensor_exposure(sensor);
@@ -304,6 +312,7 @@ ref_sensor_ray ref_sensor_ray_at(const mcv_sensor *sensor, uint32_t column, uint
     if (e.shutter == MCV_SHUTTER_LINE) {
         const mcv_readout readout = mcv_sensor_readout(sensor);
         film_row = 0;
+        begin += line_error(&e, row, eta, stage);
         y = (readout.centre[1] - readout.first[1]) / readout.binning[1] + y - 0.5 + stage;
     }
     double end = begin + e.time;

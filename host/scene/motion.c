@@ -6,13 +6,19 @@
 
 #include <math.h>
 
+static double or_0(double value) { return isnan(value) ? 0 : value; }
+
 #define EXPOSURE_OF(p) \
     ((mcv_exposure){.shutter = (p)->shutter, \
-                    .time = isnan((p)->exposureTime) ? 0 : (p)->exposureTime, \
-                    .line_time = isnan((p)->lineTime) ? 0 : (p)->lineTime, \
-                    .strobe_delay = isnan((p)->strobeDelay) ? 0 : (p)->strobeDelay, \
-                    .strobe_time = isnan((p)->strobeTime) ? 0 : (p)->strobeTime, \
-                    .stages = (p)->stages ? (p)->stages : 1})
+                    .time = or_0((p)->exposureTime), \
+                    .line_time = or_0((p)->lineTime), \
+                    .strobe_delay = or_0((p)->strobeDelay), \
+                    .strobe_time = or_0((p)->strobeTime), \
+                    .stages = (p)->stages ? (p)->stages : 1, \
+                    .jitter = or_0((p)->encoderJitter), \
+                    .ripple = or_0((p)->encoderRipple), \
+                    .ripples_per_line = or_0(1 / (p)->encoderPeriod), \
+                    .seed = (p)->encoderSeed})
 
 mcv_exposure mcv_sensor_exposure(const mcv_sensor *sensor) {
     switch (sensor->type) {
@@ -33,6 +39,28 @@ bool mcv_sensor_needs_time(const mcv_sensor *sensor) {
     const bool moves = v[0] != 0 || v[1] != 0 || v[2] != 0 || sensor->motion.rate != 0;
     return e.shutter == MCV_SHUTTER_LINE || e.strobe_time > 0 ||
            (moves && (e.time > 0 || e.shutter == MCV_SHUTTER_ROLLING));
+}
+
+static mcv_result resolve_encoder(const mcv_exposure *e, const mcv_json_path *place,
+                                  mcv_error *error) {
+    const mcv_json_path jitter = mcv_json_path_key(place, "encoderJitter"),
+                        ripple = mcv_json_path_key(place, "encoderRipple"),
+                        period = mcv_json_path_key(place, "encoderPeriod"),
+                        seed = mcv_json_path_key(place, "encoderSeed");
+    const bool line = e->shutter == MCV_SHUTTER_LINE;
+    if (e->jitter > 0 && !line)
+        return mcv_fail_at(&jitter, error,
+                           "is of a \"line\" shutter, whose lines an encoder begins");
+    if (e->ripple > 0 && !line)
+        return mcv_fail_at(&ripple, error,
+                           "is of a \"line\" shutter, whose lines an encoder begins");
+    if (e->ripple > 0 && !(e->ripples_per_line > 0))
+        return mcv_fail_at(&period, error, "is missing: the encoderRipple needs a period in lines");
+    if (e->ripples_per_line > 0 && !(e->ripple > 0))
+        return mcv_fail_at(&period, error, "is that of an encoderRipple, which is missing");
+    if (e->seed > 0 && !(e->jitter > 0))
+        return mcv_fail_at(&seed, error, "is that of an encoderJitter, which is missing");
+    return MCV_OK;
 }
 
 mcv_result mcv_sensor_resolve_exposure(mcv_sensor *sensor, const mcv_json_path *place,
@@ -65,7 +93,7 @@ mcv_result mcv_sensor_resolve_exposure(mcv_sensor *sensor, const mcv_json_path *
         return mcv_fail_at(&strobe, error,
                            "is one flash, which a \"line\" shutter sees in few rows: shorten the "
                            "exposureTime to that of the flashes");
-    return MCV_OK;
+    return resolve_encoder(&e, place, error);
 }
 
 void mcv_motion_prepare(const mcv_sensor *sensor, mcv_motion *device) {
@@ -78,7 +106,11 @@ void mcv_motion_prepare(const mcv_sensor *sensor, mcv_motion *device) {
                            .strobe_begin = (float)e.strobe_delay,
                            .strobe_end = (float)(e.strobe_delay + e.strobe_time),
                            .shutter = (uint32_t)e.shutter,
-                           .stages = e.stages};
+                           .stages = e.stages,
+                           .jitter = (float)e.jitter,
+                           .ripple = (float)e.ripple,
+                           .ripples_per_line = (float)e.ripples_per_line,
+                           .seed = e.seed};
     /* Into the sensor's frame, whose z is the node's -z. */
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) {

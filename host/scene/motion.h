@@ -12,6 +12,9 @@ typedef struct mcv_exposure {
     int shutter; /* MCV_SHUTTER_… */
     double time, line_time, strobe_delay, strobe_time;
     uint32_t stages;
+    double jitter, ripple;   /* of the encoder [s] */
+    double ripples_per_line; /* 0 without a ripple */
+    uint32_t seed;           /* of the jitter */
 } mcv_exposure;
 
 /* Of a sensor; all 0 where it has no such parameters. */

@@ -10,9 +10,14 @@
  *
  *     global   t_r = 0
  *     rolling  t_r = r lineTime
- *     line     t_r = r lineTime; each row of the image is the film's row at the principal point.
- * With stages N > 1 (TDI) a row is the mean over N rows of the film, j - (N - 1)/2 rows farther
- * down and line times later
+ *     line     t_r = r lineTime + e_r; each row of the image is the film's row at the principal
+ * point. With stages N > 1 (TDI) a row is the mean over N rows of the film, j - (N - 1)/2 rows
+ * farther down and line times later
+ *
+ * An encoder begins lines, by e_r too late: encoderJitter times a standard normal number of the
+ * line, and encoderRipple sin(2π r/encoderPeriod). The normal number is √(-2 ln u) cos(2π u'), with
+ * u and u' of mcv_line_draw: the errors are those of one run of the machine, encoderSeed chooses
+ * another.
  *
  * A strobe lights from strobeDelay on for strobeTime: a row sees what of this lies in its exposure,
  * and gets that share of the light.
@@ -20,6 +25,7 @@
 #ifndef MCVISI_MOTION_H
 #define MCVISI_MOTION_H
 
+#include "mcvisi/elementary.h"
 #include "mcvisi/sensors/sensor.h"
 
 enum { MCV_SHUTTER_GLOBAL, MCV_SHUTTER_ROLLING, MCV_SHUTTER_LINE };
@@ -33,8 +39,16 @@ typedef struct mcv_motion {
     float exposure, line_time;      /* [s] */
     float strobe_begin, strobe_end; /* equal: no strobe [s] */
     uint shutter, stages;
+    float jitter, ripple; /* of the encoder [s] */
+    float ripples_per_line;
+    uint seed; /* of the jitter */
 } mcv_motion;
-MCV_ASSERT_SIZE(mcv_motion, 64);
+MCV_ASSERT_SIZE(mcv_motion, 80);
+
+/* Number `which`, 0 or 1, of a line: in (0, 1], the same in each sample of the line. */
+MCV_FUNCTION float mcv_line_draw(uint seed, uint line, uint which) {
+    return (float)((mcv_hash_2(2u * line + which, seed) >> 8) + 1u) * 0x1p-24f;
+}
 
 #if !MCV_ON_DEVICE || MCV_WITH_MOTION
 
@@ -44,13 +58,26 @@ typedef struct mcv_moment {
     float stage; /* rows of the film below the principal point */
 } mcv_moment;
 
+/* How much too late the encoder begins a line, whose place of the image is `row` [s]. */
+MCV_LOOP_FUNCTION float mcv_line_error(MCV_CONSTANT const mcv_motion *m, uint line, float row) {
+    const float u = mcv_line_draw(m->seed, line, 0u);
+    const float ripples = row * m->ripples_per_line;
+    float sine, cosine, normal_sine, normal_cosine;
+    mcv_sin_cos_turn(ripples - mcv_floor(ripples), &sine, &cosine);
+    mcv_sin_cos_turn(mcv_line_draw(m->seed, line, 1u), &normal_sine, &normal_cosine);
+    const float normal = mcv_sqrt(2.0f * mcv_log_1_plus((1.0f - u) / u)) * normal_cosine;
+    return mcv_fma(m->jitter, normal, m->ripple * sine);
+}
+
 MCV_LOOP_FUNCTION mcv_moment mcv_expose(MCV_CONSTANT const mcv_motion *m, uint row, float xi,
                                         float eta) {
     mcv_moment moment;
     const uint stages = m->shutter == MCV_SHUTTER_LINE ? m->stages : 1u;
-    moment.stage = (float)mcv_cell(eta, stages) - 0.5f * (float)(stages - 1u);
+    const uint stage = mcv_cell(eta, stages);
+    moment.stage = (float)stage - 0.5f * (float)(stages - 1u);
     const float rows = m->shutter == MCV_SHUTTER_GLOBAL ? 0.0f : (float)row + moment.stage;
     float from = rows * m->line_time;
+    if (m->shutter == MCV_SHUTTER_LINE) from += mcv_line_error(m, row + stage, rows);
     float to = from + m->exposure;
     moment.weight = 1.0f;
     if (m->strobe_end > m->strobe_begin) {

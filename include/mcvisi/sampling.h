@@ -1,11 +1,24 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Warps of the unit square that sensors, emitters and materials share. ξ and η lie in [0, 1). */
+/* Warps of the unit square that sensors, emitters and materials share, ξ and η in [0, 1), and
+ * hashes.
+ */
 #ifndef MCVISI_SAMPLING_H
 #define MCVISI_SAMPLING_H
 
 #include "mcvisi/vector.h"
 
 #define MCV_PI 3.14159265358979323846f
+
+/* A bijection of 32 bits without visible structure (Wellons' search, "lowbias32"). */
+MCV_FUNCTION uint mcv_hash(uint x) {
+    x ^= x >> 16;
+    x *= 0x7feb352du;
+    x ^= x >> 15;
+    x *= 0x846ca68bu;
+    return x ^ (x >> 16);
+}
+
+MCV_FUNCTION uint mcv_hash_2(uint a, uint b) { return mcv_hash(a ^ (mcv_hash(b) + 0x9e3779b9u)); }
 
 /* The cell, of `count`, that contains x in [0, 1]; x = 1 belongs to the last one. Values that
  * rounding puts outside belong to the nearest cell. */

@@ -83,7 +83,7 @@ typedef struct mcv_frame {
 #endif
 } mcv_frame;
 #if !MCV_ON_DEVICE || MCV_WITH_MOTION
-MCV_ASSERT_SIZE(mcv_frame, 512 + 64);
+MCV_ASSERT_SIZE(mcv_frame, 512 + 80);
 #else
 MCV_ASSERT_SIZE(mcv_frame, 512);
 #endif

@@ -10,7 +10,7 @@
 #ifndef MCVISI_KERNELS_SAMPLER_H
 #define MCVISI_KERNELS_SAMPLER_H
 
-#include "mcvisi/dialect.h"
+#include "mcvisi/sampling.h"
 
 /* Pairs of the sensor, then a group per surface the path meets. */
 enum { MCV_PAIR_PIXEL, MCV_PAIR_APERTURE, MCV_PAIR_SURFACES };
@@ -23,17 +23,6 @@ enum { MCV_PAIR_SCATTER, MCV_PAIR_EMITTER, MCV_PAIR_CHOICE, MCV_PAIR_STRIDE };
 typedef struct mcv_pair {
     float x, y;
 } mcv_pair;
-
-/* A bijection of 32 bits without visible structure (Wellons' search, "lowbias32"). */
-MCV_FUNCTION uint mcv_hash(uint x) {
-    x ^= x >> 16;
-    x *= 0x7feb352du;
-    x ^= x >> 15;
-    x *= 0x846ca68bu;
-    return x ^ (x >> 16);
-}
-
-MCV_FUNCTION uint mcv_hash_2(uint a, uint b) { return mcv_hash(a ^ (mcv_hash(b) + 0x9e3779b9u)); }
 
 MCV_FUNCTION uint mcv_reverse_bits(uint x) {
     x = ((x & 0x55555555u) << 1) | ((x >> 1) & 0x55555555u);

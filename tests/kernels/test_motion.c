@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Sensors that move, on the device and in the reference renderer: blur, rolling shutter, lines, TDI
- * and strobes, by the place and the width of an edge in the picture.
+ * Sensors that move, on the device and in the reference renderer: blur, rolling shutter, lines,
+ * TDI, encoders and strobes, by the place and the width of an edge in the picture, and its transfer
+ * function.
  */
 #include "reference_checks.h"
 #include "scene_files.h"
@@ -9,6 +10,8 @@
 
 #include "render/render.h"
 #include "scene/motion.h"
+
+#include <complex.h>
 
 enum { SIZE = 48 };
 /* A pixel sees 0.3 mm of the plane. */
@@ -69,10 +72,30 @@ static void edge_of(const mcv_image *image, bool across, uint32_t line, double *
     *variance = second / sum - *place * *place;
 }
 
-/* Over all lines: place of the edge on the first and the last line by a straight fit, and the mean
- * variance. */
+/* The spread of the edge at 1/16 per pixel: the transfer function, with that of the pixels and of
+ * the difference between them. */
+static const double frequency = 1 / 16.0;
+
+static double sinc(double x) { return sin(M_PI * x) / (M_PI * x); }
+
+static double transfer_of(const mcv_image *image, bool across) {
+    double complex sum = 0;
+    double all = 0;
+    for (uint32_t line = 0; line < SIZE; ++line)
+        for (uint32_t i = 1; i < SIZE; ++i) {
+            const float *p = image->pixels;
+            const double weight = across ? (double)p[i * SIZE + line] - p[(i - 1) * SIZE + line]
+                                         : (double)p[line * SIZE + i] - p[line * SIZE + i - 1];
+            sum += weight * cexp(I * 2 * M_PI * frequency * i);
+            all += weight;
+        }
+    return cabs(sum) / fabs(all);
+}
+
+/* Over all lines: place of the edge on the first and the last line by a straight fit, the mean
+ * variance, and the transfer function. */
 typedef struct edge {
-    double middle, slope, variance;
+    double middle, slope, variance, transfer;
 } edge;
 
 static edge measure(bool reference, const mcv_sensor *camera, mcv_transform at, bool across) {
@@ -85,9 +108,10 @@ static edge measure(bool reference, const mcv_sensor *camera, mcv_transform at, 
         sum[0] += place / SIZE, sum[1] += place * (line - (SIZE - 1) / 2.0),
             variance += spread / SIZE;
     }
+    const double transfer = transfer_of(&image, across);
     mcv_image_free(&image);
     mcv_scene_free(scene);
-    return (edge){sum[0], sum[1] / (SIZE * (SIZE * SIZE - 1) / 12.0), variance};
+    return (edge){sum[0], sum[1] / (SIZE * (SIZE * SIZE - 1) / 12.0), variance, transfer};
 }
 
 static void expect(const char *what, double value, double truth, double bound) {
@@ -103,7 +127,9 @@ static const mcv_transform *here(void) {
 
 /* The edge of a camera that moves by 9 pixels while it is exposed is a ramp of that width: a
  * variance of 81/12, and 1/6 of pixels, which is |sinc(ν v t)| as a transfer function; the middle
- * lies half of the way back. 48 rows of 256 samples leave 0.02 pixels, and 0.1 of the variance. */
+ * lies half of the way back. 48 rows of 256 samples leave 0.02 pixels, and 0.1 of the variance. A
+ * pixel's error of 1/32 at most, over nine pixels and 48 rows, is one of 2 sin(π/16) √9/32/√48 =
+ * 0.005 of the transfer function, were samples not stratified; 1 % of it is 0.0055. */
 static void test_blur(void **state) {
     (void)state;
     mcv_sensor camera = camera_with(",\"exposureTime\":0.01");
@@ -112,6 +138,8 @@ static void test_blur(void **state) {
         const edge e = measure(reference, &camera, *here(), false);
         expect("blurred edge, place", e.middle, SIZE / 2.0 - 4.5, 0.05);
         expect("blurred edge, variance", e.variance, 81 / 12.0 + 1 / 6.0, 0.25);
+        const double truth = fabs(sinc(9 * frequency)) * pow(sinc(frequency), 2);
+        expect("blurred edge, transfer function", e.transfer, truth, 0.01 * truth);
     }
 }
 
@@ -164,7 +192,103 @@ static void test_lines(void **state) {
         expect("TDI mismatched, place", mismatched.middle, 20.5, 0.1);
         expect("TDI mismatched, variance", mismatched.variance,
                255 / 12.0 / 9 + 4 / 9.0 / 12 + 1 / 12.0, 0.15);
+        const double truth = sin(16 * M_PI / 3 * frequency) / (16 * sin(M_PI / 3 * frequency)) *
+                             sinc(2 / 3.0 * frequency) * sinc(frequency);
+        expect("TDI mismatched, transfer function", mismatched.transfer, truth, 0.01 * truth);
     }
+}
+
+/* What 64 stages with a mismatch of 0.01 pixels leave at 1/4 and 1/2 per pixel, from the moments of
+ * the device's header: a picture that moves by 1.01 rows per line time. Floats leave 1e-6 of times
+ * of up to 64 lines. */
+static void test_stages(void **state) {
+    static const double truths[] = {0.958428, 0.839903};
+    (void)state;
+    mcv_sensor camera = camera_with(",\"shutter\":\"line\",\"lineTime\":1,\"exposureTime\":0,"
+                                    "\"stages\":64");
+    mcv_motion motion;
+    mcv_motion_prepare(&camera, &motion);
+    for (int i = 0; i < 2; ++i) {
+        const double nu = 0.25 * (1 + i);
+        double complex sum = 0;
+        for (uint32_t stage = 0; stage < 64; ++stage) {
+            const mcv_moment m = mcv_expose(&motion, 7, 0.5f, ((float)stage + 0.5f) / 64);
+            sum += cexp(I * 2 * M_PI * nu * (m.stage - 1.01 * m.time)) / 64;
+        }
+        expect("64 stages, transfer function", cabs(sum), truths[i], 1e-4);
+    }
+}
+
+/* --- encoders --- */
+
+static const char encoder[] =
+    ",\"shutter\":\"line\",\"lineTime\":1e-4,\"exposureTime\":0,\"encoderJitter\":1.5e-4,"
+    "\"encoderRipple\":3e-4,\"encoderPeriod\":16,\"encoderSeed\":%d";
+
+static mcv_sensor encoder_camera(int seed) {
+    char json[256];
+    snprintf(json, sizeof json, encoder, seed);
+    return camera_with(json);
+}
+
+/* The jitter of many lines is normal; without jitter the ripple is a sine. Five standard errors of
+ * n = 65536 numbers: of the mean, of the variance, of the fourth moment. */
+static void test_encoder_statistics(void **state) {
+    enum { LINES = 65536 };
+    (void)state;
+    mcv_sensor camera = encoder_camera(3);
+    mcv_motion motion;
+    mcv_motion_prepare(&camera, &motion);
+    double sum = 0, squares = 0, fourth = 0, next = 0, before = 0;
+    for (uint32_t line = 0; line < LINES; ++line) {
+        /* Whole periods down: the ripple is 0. */
+        const double z = mcv_line_error(&motion, line, 16) / 1.5e-4;
+        sum += z / LINES, squares += z * z / LINES, fourth += z * z * z * z / LINES;
+        next += z * before / LINES, before = z;
+    }
+    const double error = 5 / sqrt(LINES);
+    expect("jitter, mean", sum, 0, error);
+    expect("jitter, variance", squares, 1, error * sqrt(2));
+    expect("jitter, fourth moment", fourth, 3, error * sqrt(96));
+    expect("jitter, line by line", next, 0, error);
+    /* A stage is exposed when its own line begins; floats leave 1e-9 s of these times. */
+    motion.stages = 4;
+    const mcv_moment moment = mcv_expose(&motion, 7, 0.5f, 2.5f / 4);
+    assert_true(fabs(moment.time - 7.5 * 1e-4 - mcv_line_error(&motion, 9, 7.5f)) < 1e-9);
+    motion.jitter = 0;
+    for (int row = 0; row < 48; ++row)
+        assert_true(fabs(mcv_line_error(&motion, 5, (float)row) - 3e-4 * sin(2 * M_PI * row / 16)) <
+                    1e-6 * 3e-4);
+}
+
+/* A camera that goes sideways by 0.4 pixels per line sees the edge in each line where it stands
+ * when the encoder begins that line. Of 128 samples the pixel with the edge has an
+ * error of at most 1/√512 = 0.044; 48 lines know it to 5/√96 of that. */
+static void test_encoder(void **state) {
+    (void)state;
+    mcv_sensor camera = encoder_camera(3), other = encoder_camera(4);
+    camera.motion.velocity[0] = 0.4 * seen / 1e-4;
+    mcv_motion motion;
+    mcv_motion_prepare(&camera, &motion);
+    for (int reference = 0; reference < 2; ++reference) {
+        mcv_scene *scene = scene_of(&camera, *here(), false);
+        mcv_image image = picture_by(reference, scene);
+        double squares = 0;
+        for (uint32_t line = 0; line < SIZE; ++line) {
+            const double u = mcv_line_draw(3, line, 0), v = mcv_line_draw(3, line, 1),
+                         late = 1.5 * sqrt(-2 * log(u)) * cos(2 * M_PI * v) +
+                                3 * sin(2 * M_PI * line / 16.0);
+            double place, variance;
+            edge_of(&image, false, line, &place, &variance);
+            squares += pow(place - SIZE / 2.0 + 0.4 * (line + late), 2) / SIZE;
+        }
+        mcv_image_free(&image);
+        mcv_scene_free(scene);
+        expect("encoder, error of a line", sqrt(squares), 0, 0.067);
+    }
+    assert_true(mcv_line_draw(3, 7, 0) != mcv_line_draw(4, 7, 0));
+    mcv_motion_prepare(&other, &motion);
+    assert_int_equal(motion.seed, 4);
 }
 
 /* At a flash the picture is that of a camera that stands where the other one is then. */
@@ -190,6 +314,8 @@ static void test_turned(void **state) {
     assert_true(fabs(truth.slope) > 0.1);
 }
 
+#define LINES_OF ",\"shutter\":\"line\",\"lineTime\":1e-4,"
+
 static void test_refused(void **state) {
     static const struct {
         const char *json, *says;
@@ -201,6 +327,11 @@ static void test_refused(void **state) {
         {",\"strobeTime\":1e-3", "cam/strobeTime: needs an exposureTime"},
         {",\"strobeDelay\":1e-3", "cam/strobeDelay: needs strobeTime"},
         {",\"exposureTime\":-1", "cam/exposureTime: -1 must lie"},
+        {",\"encoderJitter\":1e-5", "cam/encoderJitter: is of a \"line\" shutter"},
+        {",\"encoderRipple\":1e-5", "cam/encoderRipple: is of a \"line\" shutter"},
+        {LINES_OF "\"encoderRipple\":1e-5", "cam/encoderPeriod: is missing"},
+        {LINES_OF "\"encoderPeriod\":10", "cam/encoderPeriod: is that of an encoderRipple"},
+        {LINES_OF "\"encoderSeed\":10", "cam/encoderSeed: is that of an encoderJitter"},
     };
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
@@ -248,8 +379,15 @@ static void test_files(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_blur),   cmocka_unit_test(test_rolling), cmocka_unit_test(test_lines),
-        cmocka_unit_test(test_turned), cmocka_unit_test(test_refused), cmocka_unit_test(test_files),
+        cmocka_unit_test(test_blur),
+        cmocka_unit_test(test_rolling),
+        cmocka_unit_test(test_lines),
+        cmocka_unit_test(test_stages),
+        cmocka_unit_test(test_encoder_statistics),
+        cmocka_unit_test(test_encoder),
+        cmocka_unit_test(test_turned),
+        cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_files),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -131,6 +131,11 @@
     X(number, lineTime, MCV_UNSET, MCV_POSITIVE, 1e6, \
       "time between rows of a rolling shutter or lines [s]") \
     X(integer, stages, MCV_UNSET, 1, 1024, "stages of a TDI line sensor") \
+    X(number, encoderJitter, MCV_UNSET, 0, 1e6, \
+      "standard deviation of when an encoder begins a line [s]") \
+    X(number, encoderRipple, MCV_UNSET, 0, 1e6, "amplitude of its periodic error [s]") \
+    X(number, encoderPeriod, MCV_UNSET, MCV_POSITIVE, 1e9, "period of that error, in lines") \
+    X(integer, encoderSeed, MCV_UNSET, 0, 1e9, "which run of the machine: chooses the jitter") \
     X(number, strobeDelay, MCV_UNSET, 0, 1e6, "when a strobe begins, after the first row [s]") \
     X(number, strobeTime, MCV_UNSET, MCV_POSITIVE, 1e6, "for how long it lights [s]")
 
