@@ -1,0 +1,88 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/*
+ * The place of a laser line along one column or row of an image, below a pixel: by the words of
+ * manuals "extractors" or "peak detectors" (R. B. Fisher and D. K. Naidu, A comparison of
+ * algorithms for subpixel peak detection, 1996). With the values v above the background, and the
+ * brightest pixel as 0:
+ *
+ *   cog        centre of gravity Σ k v_k/Σ v_k of a window; light beyond the window is missed
+ *   parabola   of three pixels: (v_-1 - v_1)/(2 (v_-1 - 2 v_0 + v_1)), exact for parabolas only
+ *   logGauss   the same of ln v: exact for Gaussian lines that pixels sample; pixels integrate, so
+ *              that thin lines are off
+ *   blaisRioux where v_-2 + v_-1 - v_1 - v_2, centred at each pixel, changes its sign, by a
+ * straight line between pixels (F. Blais and M. Rioux, Signal Processing 11, 145, 1986): exact in
+ * the middle and between pixels gauss      least squares of a Gaussian line integrated over pixels:
+ * exact for such lines
+ *
+ * Places count as those of the camera model: the middle of the first pixel is at 0.5.
+ */
+#ifndef MCVISI_HOST_TRIANGULATION_LASER_LINE_H
+#define MCVISI_HOST_TRIANGULATION_LASER_LINE_H
+
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdint.h>
+
+/* X(NAME, "word") */
+#define MCV_LINE_EXTRACTORS(X) \
+    X(COG, "cog") \
+    X(PARABOLA, "parabola") \
+    X(LOG_GAUSS, "logGauss") \
+    X(BLAIS_RIOUX, "blaisRioux") \
+    X(GAUSS, "gauss")
+
+enum {
+#define MCV_X(NAME, word) MCV_LINE_##NAME,
+    MCV_LINE_EXTRACTORS(MCV_X) MCV_LINE_EXTRACTOR_COUNT
+#undef MCV_X
+};
+
+typedef struct mcv_line_settings {
+    int extractor;     /* MCV_LINE_… */
+    double background; /* of the values */
+    double threshold;  /* above the background: what is brighter belongs to the line */
+    uint32_t window;   /* pixels that cog and gauss take: odd, 3 … MCV_LINE_WINDOW */
+} mcv_line_settings;
+
+enum { MCV_LINE_WINDOW = 63 };
+
+/* Why there is no place, or that there are two. */
+enum {
+    MCV_LINE_SEEN,
+    MCV_LINE_MISSING, /* nothing is above the threshold */
+    MCV_LINE_CUT,     /* what the extractor takes reaches beyond the image */
+    MCV_LINE_UNFIT,   /* no peak of this extractor's kind */
+    MCV_LINE_DOUBLE /* another peak has at least half the light; the place is the brighter one's */
+};
+
+typedef struct mcv_line_place {
+    int state;
+    double place;       /* from the first pixel's beginning [pixel]; NaN where there is none */
+    double peak, sum;   /* the brightest value, and the sum of those above the threshold; less the
+                           background */
+    double sigma;       /* standard deviation of the light across the line [pixel] */
+    double uncertainty; /* of the place, by `deviations`; NaN without them [pixel] */
+} mcv_line_place;
+
+/* Does this state have a place? */
+bool mcv_line_has_place(int state);
+
+/*
+ * Finds the line in `count` values, each `stride` apart. `deviations` are their standard
+ * uncertainties, laid out alike, taken as independent; or NULL.
+ */
+mcv_line_place mcv_line_find(const mcv_line_settings *settings, const float *values,
+                             const float *deviations, size_t count, size_t stride);
+
+/*
+ * Standard deviation of the centre of gravity of a line of laser light by speckle [m]: a Gaussian
+ * line of standard deviation `sigma` on the film, summed over pixels of `height` along it, seen
+ * through a full round stop,
+ *
+ *     σ² = C² ∬ x x' E(x) E(x') |µ|² /(∬E)²    µ = 2 J1(πr/(λN))/(πr/(λN)).
+ *
+ * grain: λN [m]; contrast: C of the field. Diffraction's own blur of the line counts in sigma.
+ */
+double mcv_line_speckle_noise(double contrast, double grain, double sigma, double height);
+
+#endif
