@@ -21,7 +21,8 @@ import seeds as own
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 LARGEST = 65536
-TARGETS = ("scene", "set", "stl", "exr", "values", "text", "film", "matrix", "experiment", "table")
+TARGETS = ("scene", "set", "stl", "exr", "values", "text", "film", "matrix", "experiment", "table",
+           "api")
 
 
 def files(*patterns):
@@ -47,7 +48,8 @@ def seeds(name):
         return [*own.EXPERIMENTS, *own.experiments(ROOT)]
     if name == "film":
         return own.films(ROOT)
-    return {"stl": own.STL, "set": own.SETS, "table": own.TABLES, "matrix": own.matrices()}[name]
+    return {"stl": own.STL, "set": own.SETS, "table": own.TABLES, "matrix": own.matrices(),
+            "api": own.calls()}[name]
 
 
 def run(build, name, seconds):
@@ -64,7 +66,8 @@ def run(build, name, seconds):
              "-rss_limit_mb=1024", "-max_len=%d" % LARGEST, "-print_final_stats=1",
              "-artifact_prefix=%s/" % found, corpus, first],
             cwd=folder, capture_output=True, text=True, errors="replace", check=False,
-            env=dict(os.environ, ASAN_OPTIONS="allocator_may_return_null=1:detect_leaks=1"))
+            env=dict(os.environ, ASAN_OPTIONS="allocator_may_return_null=1:detect_leaks=1",
+                     LSAN_OPTIONS="print_suppressions=0:suppressions=%s" % (ROOT / "tests/lsan.supp")))
     count = re.search(r"number_of_executed_units:\s*(\d+)", done.stderr)
     cover = re.findall(r"cov: (\d+)", done.stderr)
     print("%-7s %9s inputs, %6s edges, %5d kept%s" %

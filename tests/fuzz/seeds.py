@@ -37,6 +37,48 @@ EXPERIMENTS = tuple(
              "correlate": ["stopDiameter,_2=0.5"], "trials": 10}),
         (2, {"vary": [STOP + "=1mm..8mm"], "objective": ["edge.width_10_90=smallest"],
              "better": ["edge.width_10_90=0.1"], "where": ["stopDiameter<6e-3"]})))
+# Options of calls of the C interface, in the order of fuzz_api.c.
+RADIANCE = "emitters/back/radiance"
+CALLS = (
+    {"device": "reference", "threads": 2, "precision": "double"},
+    {"spp": 4, "seed": 3, "sampler": "random", "depth": 4, "replicates": 2, "error": 0.5},
+    {"spp": 4, "output": "x.exr", "camera": "y.png", "expose_to": 0.5, "json": False},
+    {"vary": [RADIANCE + "=1..2:2"], "metric": "m:=a.mean", "region": "a=0,0,4,4", "spp": 4,
+     "output": "t.csv", "force": True, "design": "lhs", "points": 3},
+    {"tolerance": RADIANCE + "=normal(0.1)", "metric": "mean", "spp": 4, "trials": 0,
+     "output": "u.csv", "force": True},
+    {"vary": RADIANCE + "=1..2", "metric": "m:=mean", "objective": "m=largest", "evaluations": 40,
+     "spp": 4, "output": "o.csv", "force": True},
+    {"vary": RADIANCE + "=1..2:2", "metric": "m:=mean", "spp": 4, "output": "p.csv", "force": True,
+     "pod": {"signal": "m", "size": "radiance", "threshold": 1, "output": "p.html"}},
+    {"threshold": "2", "size-unit": "none", "confidence": 0.9},
+    {"html": "c.html", "json": False},
+    {"pixel": "3,2", "spp": 16},
+    {"depth": 4},
+    {"spp": 4, "keep": 0.9},
+    {"edge": "e=0,0,24,16", "line": "0,0,12,16+12,0,12,16", "circle": "c=2,0,16,16", "noise": 0.1},
+    {"expose_to": 0.5, "wavelength": [5e-7, 5.5e-7, 6e-7], "bits": 8, "bayer": "RGGB"},
+    {"output": "d.png", "json": True},
+    {"electrons_per_unit": 1000, "output": "v.png"},
+    {"angular": "2x2", "output": "v.png"},
+    {"form": "mass", "threads": 1, "angular": "2x2"},
+    {"preview": True, "parts": ["image"]},
+    {"a": "text", "b": 1.5, "c": [1, 2]},
+    {"asset": {"version": "2.0"}, "scenes": [], "nodes": [{"name": "a"}]},
+    {"unit": "mm", "light": "backlight"},
+    {"format": "opencv", "sensor": "camera"},
+    [8, "6mm"],
+    {"node": "plate", "at": "0mm,0mm,0mm", "size": "1mm", "depth": "1um"},
+    {"plane": "plate", "spp": 4, "unwrap": "gray", "noise": 1, "level": True, "screen": "back"},
+    {"fit": "contrast", "region": "0,0,4,4", "background": "4,0,4,4", "json": True},
+    {"json": True},
+    {"method": "least-squares", "field": "bright", "emitter": "projector", "bits": 8,
+     "damping": 0.1, "json": True},
+    {"sequence": 'projector={"type": "phaseShift", "steps": 4, "periods": 16}'})
+
+
+def calls():
+    return [bytes([call]) + json.dumps(options).encode() for call, options in enumerate(CALLS)]
 
 
 def experiments(root):
