@@ -11,6 +11,7 @@ import os
 import sys
 
 import basics
+import deflectometry
 import experiments
 import images
 import lights
@@ -21,6 +22,18 @@ import setups
 import surfaces
 
 HERE = os.path.dirname(os.path.abspath(__file__))
+MODULES = (
+    report,
+    part,
+    basics,
+    images,
+    lights,
+    setups,
+    experiments,
+    surfaces,
+    optics,
+    deflectometry,
+)
 
 
 def main(arguments):
@@ -28,7 +41,7 @@ def main(arguments):
         print(__doc__.strip())
         return 0 if len(arguments) == 1 else 2
     files = {}
-    for module in (report, part, basics, images, lights, setups, experiments, surfaces, optics):
+    for module in MODULES:
         files.update(module.files())
     if arguments == ["--check"]:
         return check(files)

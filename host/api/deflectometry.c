@@ -62,6 +62,7 @@ static mcv_result tell(const work *w, char **report, mcv_error *error) {
     mcv_report_number(&r, "seconds", "s", mcv_seconds() - w->rendering->begun);
     if (w->command->shape) mcv_report_text(&r, "image", w->command->shape);
     if (w->command->shape_png) mcv_report_text(&r, "preview", w->command->shape_png);
+    if (w->command->slope_png) mcv_report_text(&r, "slopes", w->command->slope_png);
     return mcv_report_take(&r, report, error);
 }
 

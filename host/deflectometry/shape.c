@@ -204,32 +204,3 @@ mcv_result mcv_shape_make(const mcv_camera_model *model, const mcv_screen_place 
     if (result != MCV_OK) mcv_shape_free(shape);
     return result;
 }
-
-void mcv_shape_level(mcv_shape *shape, bool take, double slopes[2]) {
-    const size_t count = (size_t)shape->width * shape->height;
-    const double n = (double)shape->valid_count;
-    double mx = 0, my = 0, mz = 0, xx = 0, xy = 0, yy = 0, xz = 0, yz = 0;
-    slopes[0] = slopes[1] = 0;
-    for (size_t i = 0; i < count; ++i)
-        if (shape->valid[i]) {
-            mx += shape->x[i] / n;
-            my += shape->y[i] / n;
-            mz += shape->z[i] / n;
-        }
-    for (size_t i = 0; i < count; ++i) {
-        if (!shape->valid[i]) continue;
-        const double x = shape->x[i] - mx, y = shape->y[i] - my, z = shape->z[i] - mz;
-        xx += x * x;
-        xy += x * y;
-        yy += y * y;
-        xz += x * z;
-        yz += y * z;
-    }
-    const double determinant = xx * yy - xy * xy;
-    if (!(determinant > 0)) return;
-    slopes[0] = (xz * yy - yz * xy) / determinant;
-    slopes[1] = (yz * xx - xz * xy) / determinant;
-    for (size_t i = 0; i < count && take; ++i)
-        if (shape->valid[i])
-            shape->z[i] -= mz + slopes[0] * (shape->x[i] - mx) + slopes[1] * (shape->y[i] - my);
-}

@@ -28,10 +28,6 @@ mcv_result mcv_shape_make(const mcv_camera_model *model, const mcv_screen_place 
                           uint32_t width, uint32_t height, uint32_t seed, mcv_shape *shape,
                           mcv_error *error);
 
-/* The slopes of the best plane through the heights of all valid pixels, weighted equally; `take`:
- * takes it from them. */
-void mcv_shape_level(mcv_shape *shape, bool take, double slopes[2]);
-
 void mcv_shape_free(mcv_shape *shape);
 
 #endif

@@ -38,8 +38,8 @@ void mcv_page_color_bar(cairo_t *page, int x, int y, int height, const char *lab
 
 /*
  * Vectors of an image's first two channels (x right, y down) under a title: hue is the direction,
- * and colours grow from white to the hue at the length `high`. A wheel beside the image explains
- * both. NaN is grey.
+ * and colours grow from white to the hue at the length `high`; 0: 99.5 % of the lengths are below
+ * it. A wheel beside the image explains both. NaN is grey.
  */
 mcv_result mcv_vector_figure_write(const char *path, const mcv_image *image, const char *title,
                                    const char *label, double high, mcv_error *error);

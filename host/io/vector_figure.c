@@ -6,6 +6,8 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "io/png.h"
+
 enum { WIDTH = 640, MARGIN = 16, TITLE = 36, WHEEL = 44 };
 
 /* Red to the right, then through yellow, green and blue against the clock; white in the middle. */
@@ -56,12 +58,25 @@ static void draw_image(cairo_t *page, const mcv_image *image, uint32_t zoom, dou
     cairo_set_source_rgb(page, 0, 0, 0);
 }
 
+/* The length below which most vectors are. */
+static mcv_result find_strong(const mcv_image *image, double *length, mcv_error *error) {
+    const size_t plane = (size_t)image->width * image->height;
+    mcv_image lengths;
+    MCV_TRY(mcv_image_new(&lengths, image->width, image->height, 1, error));
+    for (size_t i = 0; i < plane; ++i)
+        lengths.pixels[i] = hypotf(image->pixels[i], image->pixels[plane + i]);
+    *length = mcv_preview_white(&lengths);
+    mcv_image_free(&lengths);
+    return MCV_OK;
+}
+
 mcv_result mcv_vector_figure_write(const char *path, const mcv_image *image, const char *title,
                                    const char *label, double high, mcv_error *error) {
     const uint32_t zoom = image->width < WIDTH ? WIDTH / image->width : 1,
                    width = image->width * zoom, height = image->height * zoom,
                    least = 2 * WHEEL + 50;
     cairo_t *page;
+    if (!(high > 0)) MCV_TRY(find_strong(image, &high, error));
     MCV_TRY(mcv_page_new(&page, width + 3 * MARGIN + MCV_COLOR_BAR_WIDTH,
                          (height > least ? height : least) + TITLE + MARGIN, 14, error));
     mcv_page_text(page, MARGIN, TITLE - 12, 0, title);

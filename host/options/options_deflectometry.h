@@ -9,6 +9,8 @@
       "screen and modulation") \
     X(text, shape_png, "png", 0, "F.png", MCV_IN_DEFLECTOMETRY, NULL, 0, 0, \
       "a picture of the heights") \
+    X(text, slope_png, "slope-png", 0, "F.png", MCV_IN_DEFLECTOMETRY, NULL, 0, 0, \
+      "a picture of the slopes: hue is the direction, strength the size") \
     X(text, plane, "plane", 0, "NODE", MCV_IN_DEFLECTOMETRY, NULL, 0, 0, \
       "the part lies about the x-y plane of this node; heights are along its z") \
     X(text, screen, "screen", 0, "NAME", MCV_IN_DEFLECTOMETRY, NULL, 0, 0, \
@@ -18,8 +20,10 @@
     X(number, fringe_noise, "noise", 0, "S", MCV_IN_DEFLECTOMETRY, NULL, 0, 1e30, \
       "standard deviation of the camera's noise, in the unit of the image; by default there is " \
       "none but that of the render") \
-    X(flag, level, "level", 0, NULL, MCV_IN_DEFLECTOMETRY, NULL, 0, 0, \
-      "take the best plane from the heights") \
+    X(choice, removed_form, "remove-form", 0, "none|plane|quadric", MCV_IN_DEFLECTOMETRY, "none", \
+      0, 0, \
+      "take the best plane, or the best surface of second order, from heights and slopes: what " \
+      "remains is waviness and defects") \
     X(flag, flat_screen, "flat-screen", 0, NULL, MCV_IN_DEFLECTOMETRY, NULL, 0, 0, \
       "evaluate as if the screen were flat, whatever its sag: shows what that costs")
 

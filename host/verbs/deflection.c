@@ -6,7 +6,6 @@
 #include "core/output_file.h"
 #include "io/exr_make.h"
 #include "io/figure.h"
-#include "io/png.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -99,15 +98,6 @@ mcv_result mcv_deflection_make(mcv_deflection *d, const mcv_matrix *matrix, mcv_
 
 /* --- files and words --- */
 
-/* The lengths of the vectors. */
-static mcv_result find_lengths(const mcv_image *vectors, mcv_image *lengths, mcv_error *error) {
-    const size_t plane = (size_t)vectors->width * vectors->height;
-    MCV_TRY(mcv_image_new(lengths, vectors->width, vectors->height, 1, error));
-    for (size_t i = 0; i < plane; ++i)
-        lengths->pixels[i] = hypotf(vectors->pixels[i], vectors->pixels[plane + i]);
-    return MCV_OK;
-}
-
 static mcv_result write_exr(const char *path, const mcv_exr *exr, mcv_error *error) {
     if (!path) return MCV_OK;
     return mcv_exr_write(path, exr->parts, exr->part_count, exr->attributes, exr->attribute_count,
@@ -117,17 +107,12 @@ static mcv_result write_exr(const char *path, const mcv_exr *exr, mcv_error *err
 mcv_result mcv_deflection_write(const mcv_command *command, const mcv_exr *exr,
                                 const mcv_exr *histogram, const char *name, mcv_error *error) {
     char title[256];
-    const mcv_image *vectors = &exr->parts[0].image;
-    mcv_image lengths;
     MCV_TRY(write_exr(command->deflected, exr, error));
     MCV_TRY(write_exr(command->directions, histogram, error));
     if (!command->deflected_png) return MCV_OK;
-    MCV_TRY(find_lengths(vectors, &lengths, error));
-    const double high = command->strongest > 0 ? command->strongest : mcv_preview_white(&lengths);
-    mcv_image_free(&lengths);
     snprintf(title, sizeof title, "Deflection of %s", name);
-    return mcv_vector_figure_write(command->deflected_png, vectors, title, "deflection", high,
-                                   error);
+    return mcv_vector_figure_write(command->deflected_png, &exr->parts[0].image, title,
+                                   "deflection", command->strongest, error);
 }
 
 void mcv_deflection_report(const mcv_exr *exr, const mcv_exr *histogram, mcv_report *report) {

@@ -100,6 +100,14 @@ mcv_result mcv_deflectometry_decode(const mcv_command *command, const mcv_scene 
     return result;
 }
 
+static void take_form(mcv_deflectometry *d, int form) {
+    d->form = form;
+    d->plane = mcv_form_fit(&d->shape, MCV_FORM_PLANE);
+    if (form == MCV_FORM_QUADRIC) d->quadric = mcv_form_fit(&d->shape, MCV_FORM_QUADRIC);
+    if (form != MCV_FORM_NONE)
+        mcv_form_take(form == MCV_FORM_PLANE ? &d->plane : &d->quadric, &d->shape);
+}
+
 mcv_result mcv_deflectometry_shape(const mcv_command *command, const mcv_scene *scene,
                                    uint32_t sensor, uint32_t emitter, mcv_deflectometry *d,
                                    mcv_error *error) {
@@ -121,7 +129,7 @@ mcv_result mcv_deflectometry_shape(const mcv_command *command, const mcv_scene *
         result = mcv_fail(error, MCV_BAD_INPUT,
                           "%s: no pixel of sensor \"%s\" sees fringes of the screen in the part",
                           scene->path, scene->sensors[sensor].name);
-    if (result == MCV_OK) mcv_shape_level(&d->shape, command->level, d->tilt);
+    if (result == MCV_OK) take_form(d, (int)command->removed_form);
     mcv_camera_model_free(&model);
     return result;
 }

@@ -3,7 +3,7 @@
 #ifndef MCVISI_HOST_VERBS_DEFLECTOMETRY_H
 #define MCVISI_HOST_VERBS_DEFLECTOMETRY_H
 
-#include "deflectometry/shape.h"
+#include "deflectometry/form.h"
 #include "options/command.h"
 #include "verbs/picture.h"
 #include "verbs/report.h"
@@ -15,7 +15,9 @@ typedef struct mcv_deflectometry {
     double best[2];          /* the period of the least uncertainty of slopes [m] */
     double best_contrast[2];
     mcv_shape shape;
-    double tilt[2]; /* slopes of the best plane */
+    mcv_form plane;   /* the best one */
+    int form;         /* MCV_FORM_…, what was taken from heights and slopes */
+    mcv_form quadric; /* where that is one */
 } mcv_deflectometry;
 
 /* The screen of the option `screen`, else the only one. It must show a phaseShift pattern.

@@ -24,8 +24,23 @@ static mcv_result add_maps(const mcv_shape *s, mcv_exr *exr, const char *name, c
     return mcv_exr_add_part(exr, name, image, second ? names : NULL, error);
 }
 
+/* The slopes as a picture has them: x to the right, y up. */
+static mcv_result write_slopes(const char *path, const mcv_image *slopes, mcv_error *error) {
+    const size_t plane = (size_t)slopes->width * slopes->height;
+    mcv_image down;
+    MCV_TRY(mcv_image_copy(slopes, &down, error));
+    for (size_t i = plane; i < 2 * plane; ++i) down.pixels[i] = -down.pixels[i];
+    const mcv_result result =
+        mcv_vector_figure_write(path, &down, "Slopes in x and y", "slope [rad]", 0, error);
+    mcv_image_free(&down);
+    return result;
+}
+
 /* A member of what was decoded, across columns and across rows. */
 enum { PLACE, MODULATION };
+
+/* The part of the slopes. */
+enum { SLOPES = 2 };
 
 static mcv_result add_decoded(const mcv_deflectometry *d, mcv_exr *exr, const char *name,
                               int member, mcv_error *error) {
@@ -68,7 +83,10 @@ mcv_result mcv_deflectometry_check(const mcv_command *command, mcv_error *error)
         return mcv_fail(error, MCV_USAGE, "--output %s: must end in .exr", command->shape);
     if (command->shape_png && !mcv_ends_in(command->shape_png, ".png"))
         return mcv_fail(error, MCV_USAGE, "--png %s: must end in .png", command->shape_png);
+    if (command->slope_png && !mcv_ends_in(command->slope_png, ".png"))
+        return mcv_fail(error, MCV_USAGE, "--slope-png %s: must end in .png", command->slope_png);
     if (command->shape) MCV_TRY(mcv_output_check(command->shape, error));
+    if (command->slope_png) MCV_TRY(mcv_output_check(command->slope_png, error));
     return command->shape_png ? mcv_output_check(command->shape_png, error) : MCV_OK;
 }
 
@@ -85,8 +103,10 @@ mcv_result mcv_deflectometry_write(const mcv_command *command, const mcv_picture
     if (command->shape)
         MCV_TRY(mcv_exr_write(command->shape, exr->parts, exr->part_count, exr->attributes,
                               exr->attribute_count, error));
-    return command->shape_png ? mcv_figure_write(command->shape_png, heights, "Heights",
-                                                 "height [m]", &scale, error)
+    if (command->shape_png)
+        MCV_TRY(
+            mcv_figure_write(command->shape_png, heights, "Heights", "height [m]", &scale, error));
+    return command->slope_png ? write_slopes(command->slope_png, &exr->parts[SLOPES].image, error)
                               : MCV_OK;
 }
 
@@ -138,8 +158,13 @@ void mcv_deflectometry_report(const mcv_deflectometry *d, mcv_report *report) {
         report_fringes(d, k, report);
         mcv_report_close(report);
     }
-    mcv_report_number(report, "tilt_x", "rad", d->tilt[0]);
-    mcv_report_number(report, "tilt_y", "rad", d->tilt[1]);
+    mcv_report_number(report, "tilt_x", "rad", d->plane.slope[0]);
+    mcv_report_number(report, "tilt_y", "rad", d->plane.slope[1]);
+    if (d->form == MCV_FORM_QUADRIC) {
+        mcv_report_number(report, "curvature_xx", "1/m", d->quadric.curvature[0]);
+        mcv_report_number(report, "curvature_xy", "1/m", d->quadric.curvature[1]);
+        mcv_report_number(report, "curvature_yy", "1/m", d->quadric.curvature[2]);
+    }
     mcv_report_number(report, "height_peak_to_valley", "m", high - low);
     mcv_report_number(report, "height_rms", "m", rms_of(s, s->z));
     mcv_report_number(report, "height_uncertainty", "m", rms_of(s, s->u_z));

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Deflectometry of scenes, by the public interface: a mirror that is tilted, dented, rough, and
  * seen with noise; bad input. */
-#include "../api/api.h"
+#include "found.h"
 
 #include <math.h>
 
@@ -42,53 +42,6 @@ static mcv_rig *rig_of(const char *mirror, const char *material, const char *mor
 }
 
 #define MIRROR "\"type\":\"mirror\""
-
-/* What one call finds. */
-typedef struct found {
-    mcv_picture *picture;
-    char *report;
-} found;
-
-static found find(mcv_session *session, const mcv_rig *rig, const char *options) {
-    found f = {NULL, NULL};
-    WELL(mcv_session_deflectometry(session, rig, options, NULL, NULL, &f.picture, &f.report,
-                                   &error));
-    return f;
-}
-
-static void drop(found *f) {
-    mcv_picture_free(f->picture);
-    mcv_text_free(f->report);
-}
-
-/* The planes of the part of this name, of `channels` channels. */
-static const float *map_of(const found *f, const char *name, uint32_t channels) {
-    for (uint32_t i = 0; i < mcv_picture_part_count(f->picture); ++i) {
-        mcv_part part = {.size = sizeof part};
-        WELL(mcv_picture_part(f->picture, i, &part, &error));
-        if (strcmp(part.name, name) != 0) continue;
-        assert_int_equal(part.channels, channels);
-        assert_int_equal(part.width * part.height, COUNT);
-        return part.planes;
-    }
-    fail_msg("there is no part %s", name);
-    return NULL;
-}
-
-/* A number of the report: the one behind the given member of a group, or of the report itself. */
-static double told(const found *f, const char *group, const char *key) {
-    const char *at = f->report;
-    char name[64];
-    assert_non_null(at);
-    if (group) at = strstr(at, group);
-    snprintf(name, sizeof name, "\"%s\":", key);
-    at = at ? strstr(at, name) : NULL;
-    if (!at) {
-        fail_msg("the report has no %s", key);
-        return 0;
-    }
-    return strtod(at + strlen(name), NULL);
-}
 
 /*
  * A mirror tilted by 10 mrad about y has the slope -tan(10 mrad) across, none down, and the heights
@@ -148,7 +101,8 @@ static void test_dent_of_a_micrometre(void **state) {
                              "\"dent\",\"node\":\"mirror\",\"at\":[0.002,0.001,0],\"size\":"
                              "\"8mm\",\"depth\":\"1um\"}]},");
     found a = find(session, flat, "{\"plane\": \"table\", \"spp\": 1024}"),
-          b = find(session, dented, "{\"plane\": \"table\", \"spp\": 1024, \"level\": true}");
+          b = find(session, dented,
+                   "{\"plane\": \"table\", \"spp\": 1024, \"remove-form\": \"plane\"}");
     const float *place = map_of(&b, "place", 2), *p = map_of(&b, "slope", 2),
                 *before = map_of(&a, "screen", 2), *after = map_of(&b, "screen", 2),
                 *z = map_of(&b, "image", 1);
@@ -179,17 +133,6 @@ static void test_dent_of_a_micrometre(void **state) {
     mcv_rig_free(flat);
     mcv_rig_free(dented);
     mcv_session_close(session);
-}
-
-/* K1 by its integral. */
-static double bessel_k1(double x) {
-    const double step = 1e-3;
-    double sum = 0;
-    for (int i = 0; i < 12000; ++i) {
-        const double t = (i + 0.5) * step;
-        sum += exp(-x * cosh(t)) * cosh(t) * step;
-    }
-    return sum;
 }
 
 /*
