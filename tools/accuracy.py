@@ -49,8 +49,8 @@ TRUTHS = {
     "T14": ("slab, unpolarised at each interface", "T = (1 - R)/(1 + R)"),
     "T15": (
         "furnace",
-        "lossless bodies vanish; n^2 L inside; lost energy added back; rough metals send light "
-        "where walks on microfacets do",
+        "lossless bodies vanish; n^2 L inside; lost energy added back; rough metals and rough "
+        "glass send light where walks on microfacets do",
     ),
     "T16": (
         "disk light",

@@ -117,34 +117,48 @@ static void test_the_process(void **state) {
     mcv_surrogate_free(&s);
 }
 
-/* Draws have the means, deviations and correlations that predict and the covariance say: of 4000,
- * to four standard deviations. */
+/*
+ * Draws have the means and deviations that predict says: of 4000, to four standard deviations. A
+ * point near another goes with it: of the process alone their difference has the variance
+ * 2 s² (1 - (1 + r + r²/3) exp(-r)) < s² r²/3 at r = √5 d/l, and values only lessen it.
+ */
 static void test_draws(void **state) {
-    enum { DRAWS = 4000 };
+    enum { DRAWS = 4000, POINTS = 3 };
+    const double apart = 1e-3;
     mcv_surrogate s;
     mcv_error error;
-    double at[2] = {0.2, 0.8}, mean[2], deviation[2], sums[2] = {0}, squares[2] = {0};
-    double *draws = malloc(2 * DRAWS * sizeof *draws);
+    double at[POINTS] = {0.2, 0.8, 0.2 + apart}, mean[POINTS], deviation[POINTS],
+           sums[POINTS] = {0}, squares[POINTS] = {0}, differences = 0;
+    double *draws = malloc(sizeof *draws * POINTS * DRAWS);
     mcv_noise noise = mcv_noise_begin(3, 4, 5);
     (void)state;
+    assert_non_null(draws);
     mcv_surrogate_begin(&s, 1);
     for (int i = 0; i < 4; ++i) {
         const double x = i / 3.0;
         mcv_surrogate_add(&s, &x, x * x, 0.01, &error);
     }
     assert_int_equal(mcv_surrogate_fit(&s, false, &error), MCV_OK);
-    assert_int_equal(mcv_surrogate_predict(&s, at, 2, mean, deviation, &error), MCV_OK);
-    for (int i = 0; i < 2 * DRAWS; ++i) draws[i] = mcv_noise_normal(&noise);
-    assert_int_equal(mcv_surrogate_draw(&s, at, 2, DRAWS, draws, &error), MCV_OK);
-    for (int i = 0; i < DRAWS; ++i)
-        for (int k = 0; k < 2; ++k) {
-            sums[k] += draws[2 * i + k] / DRAWS;
-            squares[k] += (draws[2 * i + k] - mean[k]) * (draws[2 * i + k] - mean[k]) / DRAWS;
+    assert_int_equal(mcv_surrogate_predict(&s, at, POINTS, mean, deviation, &error), MCV_OK);
+    for (int i = 0; i < POINTS * DRAWS; ++i) draws[i] = mcv_noise_normal(&noise);
+    assert_int_equal(mcv_surrogate_draw(&s, at, POINTS, DRAWS, draws, &error), MCV_OK);
+    for (int i = 0; i < DRAWS; ++i) {
+        double off[POINTS];
+        for (int k = 0; k < POINTS; ++k) {
+            off[k] = draws[POINTS * i + k] - mean[k];
+            sums[k] += off[k] / DRAWS;
+            squares[k] += off[k] * off[k] / DRAWS;
         }
-    for (int k = 0; k < 2; ++k) {
-        assert_true(fabs(sums[k] - mean[k]) < 4 * deviation[k] / sqrt(DRAWS));
+        differences += (off[2] - off[0]) * (off[2] - off[0]) / DRAWS;
+    }
+    for (int k = 0; k < POINTS; ++k) {
+        assert_true(fabs(sums[k]) < 4 * deviation[k] / sqrt(DRAWS));
         assert_true(fabs(sqrt(squares[k]) / deviation[k] - 1) < 4 / sqrt(2.0 * DRAWS));
     }
+    const double most = s.scale * sqrt(s.variance * 5 / 3) * apart * s.inverse[0];
+    if (!(sqrt(differences) < most * (1 + 4 / sqrt(2.0 * DRAWS))))
+        fail_msg("neighbours are apart by %g, at most %g", sqrt(differences), most);
+    assert_true(most < deviation[0] / 10);
     free(draws);
     mcv_surrogate_free(&s);
 }
@@ -345,6 +359,30 @@ static void test_lists(void **state) {
     mcv_search_free(&r);
 }
 
+/* The screening's points fill the unit interval evenly: half of them lie below the geometric mean
+ * of a logarithmic range, but for one of an odd number and one of the ends. */
+static double squared_logarithm(const double *x) { return pow(log10(x[0] / 0.1), 2); }
+
+static void test_logarithmic_ranges(void **state) {
+    static const mcv_levels levels[] = {{.from = 1e-4, .to = 1, .logarithmic = true}};
+    noisy n = {.of = squared_logarithm, .run = 2};
+    mcv_search search = search_of(&n, levels, 1, 40);
+    mcv_search_result r;
+    int screened = 0, below = 0;
+    (void)state;
+    search.better[0] = 0.01;
+    search_well(&search, &r);
+    for (size_t i = 0; i < r.count; ++i) {
+        if (r.all[i].stage != MCV_STAGE_SCREENING) continue;
+        ++screened;
+        below += r.all[i].values[0] < 1e-2;
+    }
+    assert_true(screened >= 8 && abs(2 * below - screened) <= 2);
+    if (!(fabs(log10(r.winner.point.values[0] / 0.1)) < 0.15))
+        fail_msg("the winner is %g, not 0.1", r.winner.point.values[0]);
+    mcv_search_free(&r);
+}
+
 /* A third of the box fails, with one of the minima. */
 static void test_failures(void **state) {
     noisy n = {.of = branin, .run = 5, .fails = true};
@@ -484,6 +522,7 @@ int main(void) {
                                        cmocka_unit_test(test_constraints),
                                        cmocka_unit_test(test_impossible_constraints),
                                        cmocka_unit_test(test_lists),
+                                       cmocka_unit_test(test_logarithmic_ranges),
                                        cmocka_unit_test(test_failures),
                                        cmocka_unit_test(test_interrupted),
                                        cmocka_unit_test(test_front),

@@ -5,6 +5,7 @@
 
 #include "check/findings.h"
 #include "check/growth.h"
+#include "check/nominal.h"
 
 static const double thickness = 6e-3;
 
@@ -158,16 +159,12 @@ static void test_contour_of_the_mesh(void **state) {
     mcv_scene_free(scene);
 }
 
-/* A disk 0.4 mm across and 1 mm deep, of 256 sides: its contour is a wall all around. */
-static void test_contour_of_a_circle(void **state) {
+/* The wall of a tube of 0.2 mm, 40 pixels, 600 pixels to the left; looking_up_z turns z, so it
+ * reaches from 0 to -1 mm. */
+static void add_tube(mcv_scene *scene) {
     enum { SIDES = 256 };
     static float positions[6 * SIDES];
     static uint32_t indices[6 * SIDES];
-    mcv_camera_model model;
-    mcv_quantity edge;
-    mcv_error error = {""};
-    (void)state;
-    mcv_scene *scene = wall_before_light(5.6, 0, 0.02, MCV_MATERIAL_ABSORBER);
     for (uint32_t i = 0; i < SIDES; ++i) {
         const double angle = 2 * M_PI * i / SIDES;
         const uint32_t j = (i + 1) % SIDES;
@@ -186,12 +183,89 @@ static void test_contour_of_a_circle(void **state) {
                              .positions = positions,
                              .indices = indices},
                  add_absorber(scene), looking_up_z(-3e-3, 0, 0));
+}
+
+/* A disk 0.4 mm across and 1 mm deep, of 256 sides: its contour is a wall all around. */
+static void test_contour_of_a_circle(void **state) {
+    mcv_camera_model model;
+    mcv_quantity edge;
+    mcv_error error = {""};
+    (void)state;
+    mcv_scene *scene = wall_before_light(5.6, 0, 0.02, MCV_MATERIAL_ABSORBER);
+    add_tube(scene);
     const mcv_growth growth = growth_of(scene);
     BUILD(mcv_camera_model_of(scene, scene->sensors, &model, &builder_error));
-    /* 600 pixels to the left; looking_up_z turns z, so it reaches from 0 to -1 mm. */
     BUILD(mcv_growth_of_circle(scene, &model, &growth, (const double[2]){12 - 600, 2}, 40, false, 4,
                                &edge, &error));
     check("growth of a circle", edge.value, 2 / (3 * M_PI) / 140 * 1e-3, 1e-3 * edge.value);
+    mcv_camera_model_free(&model);
+    mcv_scene_free(scene);
+}
+
+/* An edge that the wall's growth has moved by so many pixels, towards `sign` in x. */
+static mcv_edge grown_edge(double contour, double sign, double growth) {
+    return (mcv_edge){.box = {(uint32_t)contour - 4, 0, 8, 4},
+                      .across_rows = true,
+                      .point = {contour + sign * growth, 2},
+                      .normal = {sign, 0},
+                      .position = {contour + sign * growth, 0}};
+}
+
+/*
+ * What is grown comes back: an edge and a line by g, a width of 8 pixels by 2 g, the radius of a
+ * pin by g, and that of a bore by -g. The uncertainty is that of g, once, twice, and twice of a
+ * diameter; an edge has √2 of it.
+ */
+static void test_nominal(void **state) {
+    const double pixel[2] = {5e-6, 5e-6}, g = 2 / (3 * M_PI) / 140 * thickness / 5e-6,
+                 g_tube = g * 1e-3 / thickness;
+    mcv_scene *scene = wall_before_light(5.6, 0, 0.02, MCV_MATERIAL_ABSORBER);
+    mcv_transform *wall = &scene->instances[0].to_world;
+    mcv_camera_model model;
+    (void)state;
+    *wall = looking_up_z(-20e-6, 0, 0);
+    for (int k = 0; k < 9; k += 3) wall->m[k] *= 0.02; /* from -40 µm to 0: columns 4 to 12 */
+    add_tube(scene);
+    const mcv_growth growth = growth_of(scene);
+    BUILD(mcv_camera_model_of(scene, scene->sensors, &model, &builder_error));
+    const mcv_part_view view = {scene, &model, &growth, pixel};
+
+    mcv_found found = {.form = MCV_FORM_EDGE, .as.edge = grown_edge(12, 1, g)};
+    BUILD(mcv_nominal_put_back(&view, &found, &builder_error));
+    const double u = found.as.edge.position.uncertainty / M_SQRT2;
+    check("an edge, put back", found.as.edge.position.value, 12, 1e-3 * g);
+    check("its point, put back", found.as.edge.point[0], 12, 1e-3 * g);
+    assert_true(u > 0 && u < 0.02 * g);
+
+    found = (mcv_found){.form = MCV_FORM_LINE};
+    found.as.line = (mcv_line){
+        .edge = grown_edge(12, 1, g), .box_count = 2, .boxes = {{8, 0, 8, 2}, {8, 2, 8, 2}}};
+    BUILD(mcv_nominal_put_back(&view, &found, &builder_error));
+    check("a line, put back", found.as.line.edge.position.value, 12, 1e-3 * g);
+
+    found = (mcv_found){.form = MCV_FORM_CALIPER};
+    found.as.caliper = (mcv_caliper){.edges = {grown_edge(4, -1, g), grown_edge(12, 1, g)},
+                                     .width = {8 + 2 * g, 0}};
+    BUILD(mcv_nominal_put_back(&view, &found, &builder_error));
+    check("a width, put back", found.as.caliper.width.value, 8, 2e-3 * g);
+    check("its uncertainty", found.as.caliper.width.uncertainty, 2 * u, 1e-9);
+
+    for (int bore = 0; bore < 2; ++bore) {
+        const double radius = 40 + (bore ? -g_tube : g_tube);
+        found = (mcv_found){.form = MCV_FORM_CIRCLE};
+        found.as.circle = (mcv_circle){.bright = bore,
+                                       .column = {12 - 600, 0},
+                                       .row = {2, 0},
+                                       .radius = {radius, 0},
+                                       .diameter = {2 * radius, 0}};
+        BUILD(mcv_nominal_put_back(&view, &found, &builder_error));
+        const mcv_circle *circle = &found.as.circle;
+        check(bore ? "a bore, put back" : "a pin, put back", circle->radius.value, 40,
+              1e-3 * g_tube);
+        check("its diameter, put back", circle->diameter.value, 80, 2e-3 * g_tube);
+        check("its uncertainty", circle->diameter.uncertainty, 2 * circle->radius.uncertainty,
+              1e-12);
+    }
     mcv_camera_model_free(&model);
     mcv_scene_free(scene);
 }
@@ -234,8 +308,11 @@ static void test_renders_grow_so(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_closed_form),         cmocka_unit_test(test_nothing_to_grow),
-        cmocka_unit_test(test_contour_of_the_mesh), cmocka_unit_test(test_contour_of_a_circle),
+        cmocka_unit_test(test_closed_form),
+        cmocka_unit_test(test_nothing_to_grow),
+        cmocka_unit_test(test_contour_of_the_mesh),
+        cmocka_unit_test(test_contour_of_a_circle),
+        cmocka_unit_test(test_nominal),
         cmocka_unit_test(test_renders_grow_so),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -37,8 +37,7 @@
     " \"min\": [-25, -25, 0], \"max\": [25, 25, 0]}," \
     " {\"bufferView\": 1, \"componentType\": 5123, \"count\": 6, \"type\": \"SCALAR\"}]}"
 
-static json_t *explain(const char *scene, const char *options) {
-    mcv_rig *rig = parse_rig(scene);
+static json_t *explain_rig(mcv_rig *rig, const char *options) {
     mcv_session *session = open_session(NULL);
     char *report = NULL;
     json_error_t wrong;
@@ -49,6 +48,10 @@ static json_t *explain(const char *scene, const char *options) {
     mcv_rig_free(rig);
     mcv_session_close(session);
     return found;
+}
+
+static json_t *explain(const char *scene, const char *options) {
+    return explain_rig(parse_rig(scene), options);
 }
 
 static double number(const json_t *of, const char *key) {
@@ -62,6 +65,9 @@ static void expect_route(const json_t *routes, size_t i, const char *name, doubl
     if (!(fabs(number(found, "value") - share) <= tolerance))
         fail_msg("%s: share %.9g ± %.2g, expected %.9g", name, number(found, "value"),
                  number(found, "uncertainty"), share);
+    /* Where each path has the same share, so has each replicate. */
+    if (!(number(found, "uncertainty") <= tolerance))
+        fail_msg("%s: share ± %.2g", name, number(found, "uncertainty"));
 }
 
 /* Both lights are at one place: each path finds them with shares of 1 and 3 to 4, exactly but for
@@ -85,6 +91,45 @@ static void test_shares_of_two_lights(void **state) {
     json_decref(found);
 }
 
+/*
+ * A pixel that sees 2 x 2 m of the sheet: light comes from its middle most of all, as cos^4 of
+ * either slope falls. Of 1024 points some 30 lie within 0.2 m.
+ */
+static void test_strongest_path(void **state) {
+    (void)state;
+    mcv_rig *rig = parse_rig(SCENE(""));
+    WELL(mcv_rig_set(rig, "sensors/camera/pixelSize", "10mm", &error));
+    json_t *found = explain_rig(rig, "{\"pixel\": \"4,4\", \"spp\": 1024}");
+    const json_t *routes = json_object_get(found, "routes");
+    for (size_t i = 0; i < 2; ++i) {
+        const json_t *path = json_object_get(json_array_get(routes, i), "path"),
+                     *foot = json_array_get(path, 1);
+        const double x = json_number_value(json_array_get(foot, 0)),
+                     y = json_number_value(json_array_get(foot, 1));
+        if (!(hypot(x, y) < 0.2)) fail_msg("the path meets the sheet at %g, %g", x, y);
+    }
+    json_decref(found);
+}
+
+/* A surface that scatters a path several times in a row counts once. */
+static void test_routes_within_a_box(void **state) {
+    (void)state;
+    mcv_rig *rig = NULL;
+    bool again = false;
+    WELL(mcv_rig_open(MCV_SOURCE_DIR "/scenes/diffuse-box.gltf", &rig, &error));
+    json_t *found = explain_rig(
+        rig, "{\"pixel\": \"30,20\", \"resolution\": \"64x48\", \"spp\": 64, \"routes\": 100}");
+    const json_t *route;
+    size_t i;
+    json_array_foreach(json_object_get(found, "routes"), i, route) {
+        const char *name = json_string_value(json_object_get(route, "name"));
+        if (strstr(name, "scatters 2 times")) fail_msg("%s", name);
+        again = again || strstr(name, "scatters once or more");
+    }
+    assert_true(again);
+    json_decref(found);
+}
+
 /* With a sky of L = 0.5 all around, the sheet adds ρ L = 0.25 to 2/π. The sky is found by the paths
  * that leave the sheet, all with the same value. */
 static void test_share_of_a_sky(void **state) {
@@ -99,6 +144,18 @@ static void test_share_of_a_sky(void **state) {
     json_decref(found);
 }
 
+/* The mean of a pixel's channels. */
+static double mean_of_pixel(const mcv_picture *picture, uint32_t part_number, uint32_t column,
+                            uint32_t row) {
+    mcv_part part = {.size = sizeof part};
+    double mean = 0;
+    WELL(mcv_picture_part(picture, part_number, &part, &error));
+    for (uint32_t c = 0; c < part.channels; ++c)
+        mean += (double)part.planes[((size_t)c * part.height + row) * part.width + column] /
+                part.channels;
+    return mean;
+}
+
 /* The value is the pixel of the reference renderer: paths are the same, numbered alike. */
 static void test_value_is_the_render(void **state) {
     (void)state;
@@ -107,7 +164,6 @@ static void test_value_is_the_render(void **state) {
     mcv_picture *picture = NULL;
     char *report = NULL;
     json_error_t wrong;
-    mcv_part part = {.size = sizeof part};
     WELL(mcv_rig_open(MCV_SOURCE_DIR "/scenes/caustic.gltf", &rig, &error));
     WELL(mcv_session_explain(session, rig,
                              "{\"pixel\": \"7,9\", \"resolution\": \"16x12\", \"spp\": 256}",
@@ -118,15 +174,16 @@ static void test_value_is_the_render(void **state) {
                             "{\"device\": \"reference\", \"resolution\": \"16x12\", \"spp\": 256, "
                             "\"replicates\": 16}",
                             NULL, NULL, &picture, NULL, &error));
-    WELL(mcv_picture_part(picture, 0, &part, &error));
-    double rendered = 0;
-    for (uint32_t c = 0; c < part.channels; ++c)
-        rendered +=
-            (double)part.planes[((size_t)c * part.height + 9) * part.width + 7] / part.channels;
+    const double rendered = mean_of_pixel(picture, 0, 7, 9);
     const double value = number(json_object_get(found, "value"), "value");
     /* One rounding to float of each channel. */
     if (!(fabs(value - rendered) <= 0x1p-23 * rendered))
         fail_msg("explained %.9g, rendered %.9g", value, rendered);
+    const double deviation = number(json_object_get(found, "value"), "uncertainty"),
+                 stated = mean_of_pixel(picture, 1, 7, 9);
+    /* The film's sums are of floats: 16 replicates of one rounding each, over the deviation. */
+    if (!(fabs(deviation - stated) <= 0x1p-23 * (rendered + stated)))
+        fail_msg("explained ± %.9g, rendered ± %.9g", deviation, stated);
     json_decref(found);
     mcv_picture_free(picture);
     mcv_rig_free(rig);
@@ -152,10 +209,9 @@ static void test_bad_pixels(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_shares_of_two_lights),
-        cmocka_unit_test(test_share_of_a_sky),
-        cmocka_unit_test(test_value_is_the_render),
-        cmocka_unit_test(test_bad_pixels),
+        cmocka_unit_test(test_shares_of_two_lights), cmocka_unit_test(test_share_of_a_sky),
+        cmocka_unit_test(test_strongest_path),       cmocka_unit_test(test_routes_within_a_box),
+        cmocka_unit_test(test_value_is_the_render),  cmocka_unit_test(test_bad_pixels),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

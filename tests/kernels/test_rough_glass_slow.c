@@ -1,0 +1,7 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* ctest: label slow */
+/* ctest: label truth */
+/* Rough glass of more roughnesses, with more walks. */
+#define ALPHAS 0.05, 0.1, 0.2, 0.35, 0.6
+enum { WALKS = 25000 };
+#include "test_rough_glass.c"
