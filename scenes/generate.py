@@ -11,6 +11,7 @@ import os
 import sys
 
 import basics
+import conveyor
 import deflectometry
 import experiments
 import images
@@ -29,6 +30,7 @@ MODULES = (
     images,
     lights,
     setups,
+    conveyor,
     experiments,
     surfaces,
     optics,

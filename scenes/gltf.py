@@ -170,10 +170,22 @@ class Scene:
         )
         return name
 
-    def node(self, name, sensor=None, emitter=None, surface=None, light=None, pose=None, **more):
+    def node(
+        self,
+        name,
+        sensor=None,
+        emitter=None,
+        surface=None,
+        light=None,
+        pose=None,
+        motion=None,
+        **more
+    ):
         """A node, with a sensor, an emitter, exact surfaces or a light of KHR_lights_punctual of
-        its own and an MCVISI_pose if given; returns its index."""
+        its own, an MCVISI_pose and an MCVISI_motion if given; returns its index."""
         extensions = {"MCVISI_pose": pose} if pose else {}
+        if motion:
+            extensions["MCVISI_motion"] = motion
         if light:
             extensions["KHR_lights_punctual"] = {"light": len(self.lights)}
             self.lights.append(dict({"name": name}, **light))

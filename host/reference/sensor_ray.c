@@ -313,7 +313,7 @@ ref_sensor_ray ref_sensor_ray_at(const mcv_sensor *sensor, uint32_t column, uint
         const mcv_readout readout = mcv_sensor_readout(sensor);
         film_row = 0;
         begin += line_error(&e, row, eta, stage);
-        y = (readout.centre[1] - readout.first[1]) / readout.binning[1] + y - 0.5 + stage;
+        y = (readout.centre[1] - readout.first[1]) / readout.binning[1] + y - 0.5 - stage;
     }
     double end = begin + e.time;
     if (e.strobe_time > 0) {

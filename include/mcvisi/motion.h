@@ -12,7 +12,7 @@
  *     rolling  t_r = r lineTime
  *     line     t_r = r lineTime + e_r; each row of the image is the film's row at the principal
  * point. With stages N > 1 (TDI) a row is the mean over N rows of the film, j - (N - 1)/2 rows
- * farther down and line times later
+ * farther up and line times later
  *
  * An encoder begins lines, by e_r too late: encoderJitter times a standard normal number of the
  * line, and encoderRipple sin(2π r/encoderPeriod). The normal number is √(-2 ln u) cos(2π u'), with
@@ -55,7 +55,7 @@ MCV_FUNCTION float mcv_line_draw(uint seed, uint line, uint which) {
 /* A moment of a row's exposure. */
 typedef struct mcv_moment {
     float time, weight;
-    float stage; /* rows of the film below the principal point */
+    float stage; /* rows of the film above the principal point */
 } mcv_moment;
 
 /* How much too late the encoder begins a line, whose place of the image is `row` [s]. */
@@ -94,7 +94,7 @@ MCV_LOOP_FUNCTION mcv_film_sample mcv_on_line(mcv_film_sample film, mcv_centre c
                                               float stage) {
     mcv_film_sample line = film;
     line.row = centre.halves > 0 ? (uint)centre.halves / 2u : 0u;
-    line.y = film.y - 0.5f + stage + centre.low + 0.5f * (float)(centre.halves - 2 * (int)line.row);
+    line.y = film.y - 0.5f - stage + centre.low + 0.5f * (float)(centre.halves - 2 * (int)line.row);
     return line;
 }
 

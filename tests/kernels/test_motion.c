@@ -174,21 +174,21 @@ static void test_lines(void **state) {
     mcv_sensor line = camera_with(",\"shutter\":\"line\",\"lineTime\":1e-4,\"exposureTime\":0");
     mcv_sensor tdi = camera_with(",\"shutter\":\"line\",\"lineTime\":1e-4,\"exposureTime\":0,"
                                  "\"stages\":16");
-    const mcv_transform below = looking_down_z(0, -20 * seen, 0);
-    line.motion.velocity[1] = tdi.motion.velocity[1] = speed;
+    const mcv_transform above = looking_down_z(0, 20 * seen, 0);
+    line.motion.velocity[1] = tdi.motion.velocity[1] = -speed;
     for (int reference = 0; reference < 2; ++reference) {
-        /* Line r looks at -20 + r - (y - 1/2) pixels, y in its row: half of line 20 is dark. */
-        const edge e = measure(reference, &line, below, true);
+        /* Line r looks at 20 - r - (y - 1/2) pixels, y in its row: half of line 20 is dark. */
+        const edge e = measure(reference, &line, above, true);
         expect("line, place", e.middle, 20.5, 0.05);
         expect("line, variance", e.variance, 0.25, 0.03);
-        /* The picture moves down by a row per line, as the charges do. */
-        const edge matched = measure(reference, &tdi, below, true);
+        /* The picture moves up by a row per line, as the charges do. */
+        const edge matched = measure(reference, &tdi, above, true);
         expect("TDI, place", matched.middle, 20.5, 0.05);
         expect("TDI, variance", matched.variance, 0.25, 0.03);
         /* Half a pixel too much per line: a third of a line for each stage, and pixels of 2/3. */
         mcv_sensor off = tdi;
-        off.motion.velocity[1] = 1.5 * speed;
-        const edge mismatched = measure(reference, &off, looking_down_z(0, -30 * seen, 0), true);
+        off.motion.velocity[1] = -1.5 * speed;
+        const edge mismatched = measure(reference, &off, looking_down_z(0, 30 * seen, 0), true);
         expect("TDI mismatched, place", mismatched.middle, 20.5, 0.1);
         expect("TDI mismatched, variance", mismatched.variance,
                255 / 12.0 / 9 + 4 / 9.0 / 12 + 1 / 12.0, 0.15);
@@ -213,7 +213,7 @@ static void test_stages(void **state) {
         double complex sum = 0;
         for (uint32_t stage = 0; stage < 64; ++stage) {
             const mcv_moment m = mcv_expose(&motion, 7, 0.5f, ((float)stage + 0.5f) / 64);
-            sum += cexp(I * 2 * M_PI * nu * (m.stage - 1.01 * m.time)) / 64;
+            sum += cexp(I * 2 * M_PI * nu * (1.01 * m.time - m.stage)) / 64;
         }
         expect("64 stages, transfer function", cabs(sum), truths[i], 1e-4);
     }

@@ -57,21 +57,21 @@ element() {
 # shellcheck disable=SC1003 # the backslash is C's
 add_sensor() {
     # 1. The header.
-    add include/mcvisi/sensors/line_scan.h sensor/line_scan.h
+    add include/mcvisi/sensors/crossed_slits.h sensor/crossed_slits.h
     # 2. Two short functions.
     touches host/scene/sensors.c
     cat "$examples/sensor/sensors.c" >>"$tree/host/scene/sensors.c"
     # 3. A line in the list, and the header's #include.
-    after include/mcvisi/elements.h 'X(pinhole, "pinhole", PINHOLE)' '    X(line_scan, "lineScan", LINE_SCAN) \'
+    after include/mcvisi/elements.h 'X(pinhole, "pinhole", PINHOLE)' '    X(crossed_slits, "crossedSlits", CROSSED_SLITS) \'
     before include/mcvisi/elements.h '#if !MCV_ON_DEVICE || defined(MCV_SENSOR_thin_lens)' \
-        '#if !MCV_ON_DEVICE || defined(MCV_SENSOR_line_scan)
-#include "mcvisi/sensors/line_scan.h"
+        '#if !MCV_ON_DEVICE || defined(MCV_SENSOR_crossed_slits)
+#include "mcvisi/sensors/crossed_slits.h"
 #endif'
     # 4. The model once more, in the reference renderer.
     before host/reference/sensor_ray.c 'ref_sensor_ray ref_sensor_ray_sample' "$(cat "$examples/sensor/sensor_ray.c")"
     after host/reference/sensor_ray.c '    switch (sensor->type)' \
-        '    case MCV_SENSOR_LINE_SCAN:
-        return line_scan(sensor, column, row, x, y);'
+        '    case MCV_SENSOR_CROSSED_SLITS:
+        return crossed_slits(sensor, column, row, x, y);'
 }
 
 # material NAME TYPE FOLDER LIST BESIDE: the steps that all materials have in common. BESIDE: whose
@@ -230,20 +230,21 @@ expect_refusal() {
     grep -qF -- "$3" refusal.txt || fail "$2 is refused with: $(cat refusal.txt)"
 }
 
-# --- the line scan camera ---
+# --- the camera with crossed slits ---
 
-# Its 100 columns see 10 mm at 0.2 m and 20 mm at 0.4 m; its 100 rows 10 mm at any depth. The square
-# of 5 mm and radiance 8 lies inside and fills a quarter and an eighth, whole pixels: a sample within
-# rounding of an edge may fall to either side, 1e-5 of them at most.
-scene=$examples/sensor/line_scan.gltf
-expect "$scene" line 64 2 2e-5
-expect "$scene" line-2 64 1 1e-5
+# Its 100 columns see 10 mm at 0.2 m and 30 mm at 0.6 m; its 100 rows, whose slit lies 0.1 m ahead,
+# 10 mm and 50 mm. The square of 6 mm and radiance 8 fills 60 x 60 and 20 x 12 whole pixels: a sample
+# within rounding of an edge may fall to either side, 1e-5 of them at most.
+scene=$examples/sensor/crossed_slits.gltf
+expect "$scene" slits 64 2.88 8e-5
+expect "$scene" slits-2 64 0.192 8e-5
 # What follows from the parameter list.
-expect_check "$scene" 'linePitch.*100 µm'
-expect_refusal "$scene" sensors/line/linePich=1 'unknown key "linePich": did you mean "linePitch"?'
-expect_refusal "$scene" sensors/line/linePitch=0 'sensors/line/linePitch: 0 must be above 0'
-expect_refusal "$scene" sensors/line/radiometry=irradiance \
-    'sensors/line/radiometry: a line scan camera has no aperture'
+expect_check "$scene" 'slitDistance.*100 mm'
+expect_refusal "$scene" sensors/slits/slitDistanc=1 \
+    'unknown key "slitDistanc": did you mean "slitDistance"?'
+expect_refusal "$scene" sensors/slits/slitDistance=0 'sensors/slits/slitDistance: 0 must be above 0'
+expect_refusal "$scene" sensors/slits/radiometry=irradiance \
+    'sensors/slits/radiometry: a camera with slits has no aperture'
 
 # --- the LED ---
 
