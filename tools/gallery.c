@@ -2,9 +2,10 @@
 /*
  * The gallery of wrong and right set-ups.
  *
- *     gallery list                  a line for each render that it needs: STEM ARGUMENTS of `mcvisi
- * render` gallery draw RENDERS PICTURES reads RENDERS/STEM.exr and .png, writes PICTURES/NAME.png
- * and the section of scenes/README.md to stdout
+ *     gallery list                    a line for each image that it needs: STEM ARGUMENTS, what
+ *                                     follows `mcvisi`
+ *     gallery draw RENDERS PICTURES   reads RENDERS/STEM.exr and .png, writes PICTURES/NAME.png and
+ *                                     the section of scenes/README.md to stdout
  *
  * Each number is computed from the float image, as its function here says.
  */
@@ -348,11 +349,39 @@ static void say_bars(const images *seen, char *text) {
              100 * (most - least) / (most + least));
 }
 
+/* The slope of the dent in scenes/deflectometry.py is largest 2 mm from its middle. The camera sees
+ * x from 25° aside. */
+static region about_dent(double x, double y) {
+    const double off = hypot(x / cos(25 * 3.14159265358979 / 180) - 0.004, y - 0.003);
+    return off > 1.5e-3 && off < 2.5e-3 ? REGION_DEFECT
+           : off > 8e-3                 ? REGION_SURROUNDINGS
+                                        : REGION_NONE;
+}
+
+/* Pixels are 0.15 mm of the mirror. */
+static void say_dent(const images *seen, char *text) {
+    const mcv_image *image = seen->of;
+    double n[3] = {0}, sum[3] = {0}, squares[3] = {0};
+    for (uint32_t row = 0; row < image->height; ++row)
+        for (uint32_t column = 0; column < image->width; ++column) {
+            const double v = value(image, column, row);
+            const region r = about_dent((column + 0.5 - 0.5 * image->width) * 0.15e-3,
+                                        (0.5 * image->height - row - 0.5) * 0.15e-3);
+            n[r] += 1;
+            sum[r] += v;
+            squares[r] += v * v;
+        }
+    const double around = sum[REGION_SURROUNDINGS] / n[REGION_SURROUNDINGS];
+    snprintf(text, TEXT, "contrast to deviation %.1f",
+             fabs(sum[REGION_DEFECT] / n[REGION_DEFECT] - around) /
+                 sqrt(squares[REGION_SURROUNDINGS] / n[REGION_SURROUNDINGS] - around * around));
+}
+
 /* --- the gallery --- */
 
 typedef struct panel {
     const char *caption;
-    const char *arguments; /* of mcvisi render, without -o */
+    const char *arguments; /* of mcvisi, without -o */
     const char
         *each; /* the --set that tells its images apart, without the number; NULL: one image */
 } panel;
@@ -369,19 +398,20 @@ static const entry entries[] = {
      "Two equal bolts, one 20 mm nearer. An entocentric lens shows the nearer one larger, "
      "a telecentric lens shows both at the same size. The numbers are widths of the plain "
      "shank.",
-     {{"wrong: entocentric lens", "scenes/bolts.gltf --sensor entocentric --spp 64", NULL},
-      {"right: telecentric lens", "scenes/bolts.gltf --sensor telecentric --spp 64", NULL}},
+     {{"wrong: entocentric lens", "render scenes/bolts.gltf --sensor entocentric --spp 64", NULL},
+      {"right: telecentric lens", "render scenes/bolts.gltf --sensor telecentric --spp 64", NULL}},
      say_widths},
     {"conveyor",
      "A TDI sensor and its belt",
      "A bottle passes a line-scan camera with 64 TDI stages. Its charges travel by a row per "
      "line time. When the bottle travels 6 % farther, bars of half a millimetre are gone.",
      {{"wrong: 0.265 mm per line",
-       "scenes/conveyor.gltf --set sensors/camera/stages=64 --set sensors/camera/lineTime=530e-6 "
+       "render scenes/conveyor.gltf --set sensors/camera/stages=64 --set "
+       "sensors/camera/lineTime=530e-6 "
        "--spp 128",
        NULL},
       {"right: 0.25 mm per line, a pixel",
-       "scenes/conveyor.gltf --set sensors/camera/stages=64 --spp 128", NULL}},
+       "render scenes/conveyor.gltf --set sensors/camera/stages=64 --spp 128", NULL}},
      say_bars},
     {"light-field",
      "A light field display before a light field camera",
@@ -389,8 +419,8 @@ static const entry entries[] = {
      "display, each pixel of the camera sees one pixel of the display. Focused 107 mm "
      "behind it, a macro pixel mixes neighbours.",
      {{"wrong: focused behind the display",
-       "scenes/light-field.gltf --set sensors/camera/imageDistance=57mm --spp 32", NULL},
-      {"right: focused on the display", "scenes/light-field.gltf --spp 32", NULL}},
+       "render scenes/light-field.gltf --set sensors/camera/imageDistance=57mm --spp 32", NULL},
+      {"right: focused on the display", "render scenes/light-field.gltf --spp 32", NULL}},
      say_display},
     {"structured-light",
      "Position of a projector",
@@ -398,9 +428,9 @@ static const entry entries[] = {
      "stripes grows with the tangent of the angle between projector and camera. The "
      "numbers are computed from the phase of all four patterns.",
      {{"wrong: 2° beside the camera",
-       "scenes/structured-light.gltf --set nodes/projector/azimuth=-2deg --spp 32",
+       "render scenes/structured-light.gltf --set nodes/projector/azimuth=-2deg --spp 32",
        "emitters/projector/index"},
-      {"right: 30° beside it", "scenes/structured-light.gltf --spp 32",
+      {"right: 30° beside it", "render scenes/structured-light.gltf --spp 32",
        "emitters/projector/index"}},
      say_shift},
     {"scratch",
@@ -408,18 +438,18 @@ static const entry entries[] = {
      "A scratch 100 µm wide in stained steel. Light from the direction of the camera "
      "shows stains and scratch. Light from a low ring shows the scratch alone.",
      {{"wrong: bright field (coaxial light)",
-       "scenes/scratch.gltf --set emitters/ring/radiance=0 --spp 1024", NULL},
+       "render scenes/scratch.gltf --set emitters/ring/radiance=0 --spp 1024", NULL},
       {"right: dark field (low ring)",
-       "scenes/scratch.gltf --set emitters/coaxial/radiance=0 --spp 256", NULL}},
+       "render scenes/scratch.gltf --set emitters/coaxial/radiance=0 --spp 256", NULL}},
      say_scratch},
     {"engraved",
      "Ring, dome and coaxial light",
      "Engraved steel, ground and not quite even. A ring light makes glare where the "
      "surface reflects it. A dome lights the letters as evenly as the rest. Coaxial light "
      "is reflected by the flat surface and lost in the milled letters.",
-     {{"wrong: ring light", "scenes/engraved-ring.gltf --spp 256", NULL},
-      {"better: dome light", "scenes/engraved-dome.gltf --spp 256", NULL},
-      {"right: coaxial light", "scenes/engraved-coaxial.gltf --spp 2048", NULL}},
+     {{"wrong: ring light", "render scenes/engraved-ring.gltf --spp 256", NULL},
+      {"better: dome light", "render scenes/engraved-dome.gltf --spp 256", NULL},
+      {"right: coaxial light", "render scenes/engraved-coaxial.gltf --spp 2048", NULL}},
      say_letters},
     {"caustic",
      "A caustic on paper",
@@ -427,39 +457,42 @@ static const entry entries[] = {
      "sharper the focus of the ball. Camera paths would not find the lamp behind the "
      "ball: light paths do.",
      {{"wrong: a wide cone, 16°",
-       "scenes/caustic.gltf --set emitters/lamp/halfAngle=8deg --spp 256", NULL},
-      {"right: a narrow one, 0.5°", "scenes/caustic.gltf --spp 256", NULL}},
+       "render scenes/caustic.gltf --set emitters/lamp/halfAngle=8deg --spp 256", NULL},
+      {"right: a narrow one, 0.5°", "render scenes/caustic.gltf --spp 256", NULL}},
      say_peak},
     {"loupe",
      "A single lens and an achromat",
      "Bars on a light table through two loupes of 100 mm: a single lens of N-SF11, and a "
      "cemented doublet of N-BK7 and SF5. Both have exact surfaces and catalogue glass. "
      "The numbers are for the bar at the right.",
-     {{"wrong: a single lens of flint", "scenes/loupe.gltf --sensor singlet --spp 256", NULL},
-      {"right: an achromat", "scenes/loupe.gltf --sensor achromat --spp 256", NULL}},
+     {{"wrong: a single lens of flint", "render scenes/loupe.gltf --sensor singlet --spp 256",
+       NULL},
+      {"right: an achromat", "render scenes/loupe.gltf --sensor achromat --spp 256", NULL}},
      say_fringe},
     {"prism",
      "Dispersion by a prism",
      "A white beam falls through a prism of N-SF11 onto a screen 150 mm behind it. Light "
      "paths draw a line for each of the scene's wavelengths, as wide as the beam.",
-     {{"wrong: a beam of 8 mm", "scenes/prism.gltf --set emitters/beam/size=[0.008,0.008] --spp 64",
-       NULL},
-      {"right: a slit of 0.5 mm", "scenes/prism.gltf --spp 64", NULL}},
+     {{"wrong: a beam of 8 mm",
+       "render scenes/prism.gltf --set emitters/beam/size=[0.008,0.008] --spp 64", NULL},
+      {"right: a slit of 0.5 mm", "render scenes/prism.gltf --spp 64", NULL}},
      say_purity},
     {"immersion",
      "Immersion in a fluid of equal index",
      "A glass rod with a bubble of 0.6 mm in a cuvette before a backlight. In water the "
      "rod is a lens that hides the bubble. In a fluid with the index of the glass only "
      "the bubble is visible.",
-     {{"wrong: in water", "scenes/immersion.gltf --set materials/fluid/ior=1.333 --spp 128", NULL},
-      {"right: in fluid of n = 1.5168", "scenes/immersion.gltf --spp 128", NULL}},
+     {{"wrong: in water", "render scenes/immersion.gltf --set materials/fluid/ior=1.333 --spp 128",
+       NULL},
+      {"right: in fluid of n = 1.5168", "render scenes/immersion.gltf --spp 128", NULL}},
      say_bubble},
     {"window",
      "A coated window",
      "A chart behind a window that reflects a lamp. A coating with a reflectance of 0.4 % "
      "removes nine tenths of the glare.",
-     {{"wrong: bare glass", "scenes/window.gltf --set materials/pane/coating=0 --spp 512", NULL},
-      {"right: coated", "scenes/window.gltf --spp 512", NULL}},
+     {{"wrong: bare glass", "render scenes/window.gltf --set materials/pane/coating=0 --spp 512",
+       NULL},
+      {"right: coated", "render scenes/window.gltf --spp 512", NULL}},
      say_glare},
     {"tape",
      "Light for a retroreflector",
@@ -467,31 +500,42 @@ static const entry entries[] = {
      "sends light back to its source. It is dark under a lamp at the side, and bright "
      "under light from a half mirror before the camera.",
      {{"wrong: a lamp at the side",
-       "scenes/tape.gltf --set emitters/coaxial/radiance=0 --set emitters/lamp/radiance=20 --spp "
+       "render scenes/tape.gltf --set emitters/coaxial/radiance=0 --set emitters/lamp/radiance=20 "
+       "--spp "
        "256",
        NULL},
-      {"right: coaxial light", "scenes/tape.gltf --spp 256", NULL}},
+      {"right: coaxial light", "render scenes/tape.gltf --spp 256", NULL}},
      say_tape},
     {"diffuser",
      "Lamps behind a plate",
      "Sixteen lamps in a white box behind a plate: a clear plate, and an opal one, which "
      "transmits 60 % diffusely.",
      {{"wrong: a clear plate",
-       "scenes/diffuser.gltf --set "
+       "render scenes/diffuser.gltf --set "
        "materials/plate/extensions/MCVISI_materials={\"type\":\"sheet\"} --spp 256",
        NULL},
-      {"right: an opal plate", "scenes/diffuser.gltf --spp 256", NULL}},
+      {"right: an opal plate", "render scenes/diffuser.gltf --spp 256", NULL}},
      say_evenness},
     {"brushed",
      "Turned metal under a lamp and in a tent",
      "Turned discs of aluminium, copper and gold on brushed steel. A lamp makes a streak "
      "across the grooves, which turns with them. Light from all sides shows the metals' "
      "colours.",
-     {{"wrong: a small lamp", "scenes/brushed.gltf --spp 128", NULL},
+     {{"wrong: a small lamp", "render scenes/brushed.gltf --spp 128", NULL},
       {"right: light from all around",
-       "scenes/brushed.gltf --set emitters/lamp/radiance=0 --set emitters/sky/radiance=1 --spp 128",
+       "render scenes/brushed.gltf --set emitters/lamp/radiance=0 --set emitters/sky/radiance=1 "
+       "--spp 128",
        NULL}},
      say_evenness},
+    {"deflectometry",
+     "A dent of a micrometre",
+     "A mirror with a dent 1 µm deep and 8 mm wide, in which a camera sees fringes on a screen. "
+     "They hide it. Deflectometry decodes them: bright is a large slope. The numbers are the "
+     "dent's contrast over the deviation of its surroundings.",
+     {{"wrong: the camera's picture", "render scenes/dented-mirror.gltf --spp 64", NULL},
+      {"right: the slopes",
+       "deflectometry scenes/dented-mirror.gltf --plane table --remove-form plane --spp 64", NULL}},
+     say_dent},
 };
 enum { ENTRIES = sizeof entries / sizeof entries[0] };
 
@@ -527,6 +571,31 @@ static mcv_result grey_of(const mcv_image *image, mcv_image *grey, mcv_error *er
     return MCV_OK;
 }
 
+/* Of what deflectometry writes: the slopes. */
+static bool shows_slopes(const panel *p) {
+    return strncmp(p->arguments, "deflectometry ", strlen("deflectometry ")) == 0;
+}
+
+/* The sizes of the slopes in STEM.exr take the heights' place, and are drawn as STEM.png. */
+static mcv_result read_slopes(const char *path, mcv_image *image, mcv_error *error) {
+    mcv_exr exr;
+    char picture[4096];
+    const size_t plane = (size_t)image->width * image->height;
+    mcv_preview preview = {.white = 0};
+    MCV_TRY(mcv_exr_read(path, &exr, error));
+    const float *slopes = NULL;
+    for (uint32_t i = 0; i < exr.part_count; ++i)
+        if (strcmp(exr.parts[i].name, "slope") == 0) slopes = exr.parts[i].image.pixels;
+    const mcv_result result =
+        slopes ? MCV_OK : mcv_fail(error, MCV_BAD_INPUT, "%s: has no slopes", path);
+    for (size_t i = 0; i < plane && slopes; ++i)
+        image->pixels[i] = hypotf(slopes[i], slopes[plane + i]);
+    mcv_exr_free(&exr);
+    snprintf(picture, sizeof picture, "%.*s.png", (int)(strlen(path) - strlen(".exr")), path);
+    return result == MCV_OK ? mcv_png_write_preview(picture, image, "rad", &preview, error)
+                            : result;
+}
+
 static mcv_result read_image(const char *path, mcv_image *image, mcv_image *coloured,
                              mcv_image *error_image, mcv_error *error) {
     mcv_exr exr;
@@ -550,7 +619,7 @@ static mcv_result size_of(const panel *p, uint32_t *width, uint32_t *height, mcv
     char path[256], name[256] = "";
     mcv_scene *scene;
     const char *option = strstr(p->arguments, "--sensor ");
-    sscanf(p->arguments, "%255s", path);
+    sscanf(p->arguments, "%*s %255s", path);
     if (option) sscanf(option, "--sensor %255s", name);
     MCV_TRY(mcv_scene_load(path, (mcv_overrides){NULL, 0}, &scene, error));
     uint32_t sensor = 0;
@@ -576,10 +645,14 @@ static mcv_result say_number(const entry *e, int number, const char *renders, ch
         const mcv_image *image = seen.of + n;
         if (result == MCV_OK && (image->width != width || image->height != height ||
                                  seen.error.width != width || seen.error.height != height))
-            result =
-                mcv_fail(error, MCV_BAD_INPUT,
-                         "%s: is of %u x %u pixels, not of the %u x %u of `mcvisi render %s`", path,
-                         image->width, image->height, width, height, e->panels[number].arguments);
+            result = mcv_fail(
+                error, MCV_BAD_INPUT, "%s: is of %u x %u pixels, not of the %u x %u of `mcvisi %s`",
+                path, image->width, image->height, width, height, e->panels[number].arguments);
+    }
+    if (result == MCV_OK && shows_slopes(e->panels + number)) {
+        char path[4096];
+        snprintf(path, sizeof path, "%s/%s-%d-0.exr", renders, e->name, number);
+        result = read_slopes(path, seen.of, error);
     }
     if (result == MCV_OK) e->say(&seen, text);
     for (int n = 0; n < MAX_IMAGES; ++n) mcv_image_free(seen.of + n);
@@ -672,8 +745,7 @@ static mcv_result draw(const entry *e, const char *renders, const char *pictures
         cairo_destroy(page);
     printf("\n### %s\n\n%s\n\n![%s](../%s)\n\n", e->title, e->text, e->title, path);
     for (int k = 0; k < panels; ++k)
-        printf("- %s: %s (`mcvisi render %s`)\n", e->panels[k].caption, texts[k],
-               e->panels[k].arguments);
+        printf("- %s: %s (`mcvisi %s`)\n", e->panels[k].caption, texts[k], e->panels[k].arguments);
     return result;
 }
 
