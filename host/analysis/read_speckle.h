@@ -9,6 +9,8 @@
  * their widths [m]. */
 #define MCV_LASER_WAVELENGTH "mcvisi:laserWavelength"
 #define MCV_LASER_LINEWIDTH "mcvisi:laserLinewidth"
+/* In that of grey values: the contrast of the field's speckle. */
+#define MCV_SPECKLE_CONTRAST "mcvisi:speckleContrast"
 
 /*
  * Adds speckle to the first part, which the lens has blurred: the settings name the picture of the

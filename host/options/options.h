@@ -16,6 +16,7 @@
 #include "options/options_long.h"
 #include "options/options_pod.h"
 #include "options/options_transport.h"
+#include "options/options_triangulate.h"
 
 #include <stddef.h>
 #include <stdint.h>
@@ -44,6 +45,9 @@
     X(measure, MEASURE, "measure", "IMAGE", \
       "measure in an image: regions, contrasts, edges and their sharpness, lines, widths and " \
       "circles, each with its standard uncertainty") \
+    X(triangulate, TRIANGULATE, "triangulate", "IMAGE…", \
+      "find the laser line in images of a camera, and the heights of the part that it lights: a " \
+      "profile of each image") \
     X(sweep, SWEEP, "sweep", "RIG|EXPERIMENT.json", \
       "render a scene with many sets of parameters and measure in each image; the result is a " \
       "table and a page of plots with error bars") \
@@ -333,6 +337,7 @@ enum {
     MCV_EXEC_OPTIONS(X) \
     MCV_POD_OPTIONS(X) \
     MCV_TRANSPORT_OPTIONS(X) \
+    MCV_TRIANGULATE_OPTIONS(X) \
     MCV_DEFLECTION_OPTIONS(X) \
     MCV_INVERSE_OPTIONS(X) \
     MCV_DEFECT_OPTIONS(X) \
@@ -356,7 +361,7 @@ enum {
       MCV_IN_RENDERS | MCV_IN_MERGE | MCV_IN_NEW | MCV_IN_CHECK | MCV_IN_COMPARE | MCV_IN_CAMERA | \
           MCV_IN_CAMERA_MODEL | MCV_IN_MEASURE | MCV_IN_POD | MCV_IN_LIGHTFIELD | MCV_IN_IMPORT | \
           MCV_IN_DEVICES | MCV_IN_HELP | MCV_IN_DEFECT | MCV_IN_DETECT | MCV_IN_MATRICES | \
-          MCV_IN_RELIGHT | MCV_IN_INVERSE | MCV_IN_EXPLAIN | MCV_IN_WARM, \
+          MCV_IN_TRIANGULATE | MCV_IN_RELIGHT | MCV_IN_INVERSE | MCV_IN_EXPLAIN | MCV_IN_WARM, \
       NULL, 0, 0, \
       "print JSON in SI units; render prints one object per sensor, each on one line; help " \
       "prints a schema of the options")

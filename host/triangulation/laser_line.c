@@ -3,6 +3,12 @@
 
 #include <math.h>
 
+const char *const mcv_line_states[MCV_LINE_STATE_COUNT] = {
+#define MCV_X(NAME, word) word,
+    MCV_LINE_STATES(MCV_X)
+#undef MCV_X
+};
+
 bool mcv_line_has_place(int state) { return state == MCV_LINE_SEEN || state == MCV_LINE_DOUBLE; }
 
 /* One column or row. */
@@ -188,7 +194,7 @@ static int take_fit(const profile *p, ptrdiff_t middle, double sigma, found *f) 
 
 /* --- peaks --- */
 
-/* Neighbouring pixels above the threshold. */
+/* Pixels above the threshold, near to each other. */
 typedef struct peak {
     ptrdiff_t brightest, last, end; /* equal neighbours from brightest to last are its top */
     double sum, moment, square;
@@ -201,8 +207,11 @@ static bool next_peak(const profile *p, ptrdiff_t from, peak *found_peak) {
     while (i < count && !(at(p, i) > p->settings->threshold)) ++i;
     if (i == count) return false;
     *found_peak = (peak){.brightest = i, .last = i};
-    for (; i < count && at(p, i) > p->settings->threshold; ++i) {
+    const ptrdiff_t gap = p->settings->window / 2;
+    for (ptrdiff_t above = i; i < count && i - above <= gap; ++i) {
         const double value = at(p, i), k = (double)i;
+        if (!(value > p->settings->threshold)) continue;
+        above = i;
         if (value > at(p, found_peak->brightest))
             found_peak->brightest = found_peak->last = i;
         else if (value == at(p, found_peak->brightest) && found_peak->last == i - 1)

@@ -23,37 +23,40 @@
 #include <stddef.h>
 #include <stdint.h>
 
-/* X(NAME, "word") */
-#define MCV_LINE_EXTRACTORS(X) \
-    X(COG, "cog") \
-    X(PARABOLA, "parabola") \
-    X(LOG_GAUSS, "logGauss") \
-    X(BLAIS_RIOUX, "blaisRioux") \
-    X(GAUSS, "gauss")
-
+/* In the order of the option `extractor`. */
 enum {
-#define MCV_X(NAME, word) MCV_LINE_##NAME,
-    MCV_LINE_EXTRACTORS(MCV_X) MCV_LINE_EXTRACTOR_COUNT
-#undef MCV_X
+    MCV_LINE_COG,
+    MCV_LINE_PARABOLA,
+    MCV_LINE_LOG_GAUSS,
+    MCV_LINE_BLAIS_RIOUX,
+    MCV_LINE_GAUSS,
+    MCV_LINE_EXTRACTOR_COUNT
 };
 
 typedef struct mcv_line_settings {
     int extractor;     /* MCV_LINE_… */
     double background; /* of the values */
     double threshold;  /* above the background: what is brighter belongs to the line */
-    uint32_t window;   /* pixels that cog and gauss take: odd, 3 … MCV_LINE_WINDOW */
+    uint32_t window;   /* pixels that cog and gauss take: odd, 3 … MCV_LINE_WINDOW; peaks nearer
+                          than half of it are one, as speckle breaks a line */
 } mcv_line_settings;
 
 enum { MCV_LINE_WINDOW = 63 };
 
-/* Why there is no place, or that there are two. */
+/*
+ * X(NAME, "word"): what was found. Nothing is above the threshold; what the extractor takes reaches
+ * beyond the image; there is no peak of its kind. Of double peaks the second has at least half of
+ * the light, and the place is the brighter one's.
+ */
+#define MCV_LINE_STATES(X) \
+    X(SEEN, "seen") X(MISSING, "missing") X(CUT, "cut") X(UNFIT, "unfit") X(DOUBLE, "double")
+
 enum {
-    MCV_LINE_SEEN,
-    MCV_LINE_MISSING, /* nothing is above the threshold */
-    MCV_LINE_CUT,     /* what the extractor takes reaches beyond the image */
-    MCV_LINE_UNFIT,   /* no peak of this extractor's kind */
-    MCV_LINE_DOUBLE /* another peak has at least half the light; the place is the brighter one's */
+#define MCV_X(NAME, word) MCV_LINE_##NAME,
+    MCV_LINE_STATES(MCV_X) MCV_LINE_STATE_COUNT
+#undef MCV_X
 };
+extern const char *const mcv_line_states[MCV_LINE_STATE_COUNT];
 
 typedef struct mcv_line_place {
     int state;

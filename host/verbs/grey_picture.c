@@ -2,6 +2,7 @@
 /* The grey values that a camera reads from an image of light, as a picture and as files. */
 #include "verbs/grey_picture.h"
 
+#include "analysis/read_speckle.h"
 #include "analysis/render_error.h"
 #include "core/basics.h"
 #include "io/exr_make.h"
@@ -96,7 +97,7 @@ static mcv_result set_attributes(const mcv_command *command, const mcv_read_out 
         number_attribute("mcvisi:exposureSeed", camera->seed),
         number_attribute("mcvisi:cameraSeed", camera->specimen),
     };
-    const mcv_attribute speckle = number_attribute("mcvisi:speckleContrast", out->speckle);
+    const mcv_attribute speckle = number_attribute(MCV_SPECKLE_CONTRAST, out->speckle);
     const mcv_attribute exposed = number_attribute("expTime", command->exposure_time);
     const mcv_attribute model =
         text_attribute(MCV_CAMERA_MODEL_KEY, out->exposure.grey.description);

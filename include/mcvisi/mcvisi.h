@@ -490,6 +490,15 @@ MCV_API mcv_result mcv_picture_detect(const mcv_picture *with, const mcv_picture
                                       const char *options, mcv_picture **visible, char **report,
                                       mcv_error *error);
 
+/*
+ * Finds the laser line in images, files of one camera, and the heights of the part that it lights:
+ * a profile of each. Options are those of `mcvisi triangulate`: "laser", the node in the images'
+ * headers whose x-z plane is the light's; "output", a list of files. *report: how many places are
+ * seen, missing or double, and their uncertainty.
+ */
+MCV_API mcv_result mcv_images_triangulate(const char *const *images, size_t count,
+                                          const char *options, char **report, mcv_error *error);
+
 /* The sub-aperture views of a light field image, side by side. Options are those of `mcvisi
  * lightfield views`: {"angular": "9x9"} where the attributes do not tell. */
 MCV_API mcv_result mcv_picture_views(const mcv_picture *picture, const char *options,

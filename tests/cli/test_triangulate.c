@@ -1,0 +1,157 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* mcvisi triangulate: from a scene of a laser head to profiles, their files, and bad input. */
+#include "test.h"
+
+#include "program.h"
+
+#include "io/exr.h"
+
+#include <math.h>
+
+/* A laser line on a plate, and a camera 30° aside whose film is tilted so that the plane of the
+ * light is in focus. A pixel stands for 5 µm/(sin 30°/9) = 90 µm of height. */
+static const char scene[] =
+    "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0,1,2]}],"
+    "\"extensions\":{\"MCVISI_sensors\":{\"sensors\":[{\"name\":\"camera\",\"type\":\"thinLens\","
+    "\"focalLength\":\"25mm\",\"focusDistance\":\"250mm\",\"fNumber\":8,\"resolution\":[48,48],"
+    "\"pixelSize\":\"5um\",\"tilt\":\"10.893deg\",\"tiltDirection\":\"90deg\","
+    "\"radiometry\":\"irradiance\"}]},"
+    "\"MCVISI_emitters\":{\"emitters\":[{\"name\":\"laser\",\"type\":\"laser\",\"wavelength\":"
+    "\"660nm\",\"power\":0.02,\"lineThickness\":\"200um\",\"widthMeasure\":\"1/e2\","
+    "\"workingDistance\":\"200mm\",\"fanAngle\":\"20deg\"}]},"
+    "\"MCVISI_surfaces\":{\"surfaces\":[{\"name\":\"plate\",\"type\":\"box\",\"width\":\"100mm\","
+    "\"height\":\"10mm\",\"depth\":\"100mm\",\"material\":\"grey\"}]}},"
+    "\"materials\":[{\"name\":\"grey\",\"extensions\":{\"MCVISI_materials\":"
+    "{\"type\":\"diffuse\",\"reflectance\":0.5}}}],"
+    "\"nodes\":[{\"name\":\"camera\",\"extensions\":{\"MCVISI_pose\":{\"target\":[0,0,0],"
+    "\"distance\":\"250mm\",\"elevation\":\"60deg\"},\"MCVISI_sensors\":{\"sensor\":0}}},"
+    "{\"name\":\"laser\",\"extensions\":{\"MCVISI_pose\":{\"target\":[0,0,0],\"distance\":"
+    "\"200mm\",\"elevation\":\"90deg\"},\"MCVISI_emitters\":{\"emitter\":0}}},"
+    "{\"name\":\"plate\",\"translation\":[0,-0.005,0],\"extensions\":{\"MCVISI_surfaces\":"
+    "{\"surface\":0}}}]}";
+
+/* Images of the plate as it is, and 0.3 mm lower and 0.2 mm towards the camera. */
+static int make_images(void **state) {
+    if (enter_folder(state) != 0) return -1;
+    write_file("head.gltf", scene);
+    program_well("render head.gltf --spp 256 --device reference -o high.exr");
+    program_well("render head.gltf --spp 256 --device reference -o low.exr "
+                 "--set 'nodes/plate/translation=[0,-0.0053,0.0002]'");
+    program_well("render head.gltf --lasers 4 --spp 64 --device reference -o laser.exr");
+    program_well("camera high.exr --expose-to 0.5 --wavelength 660nm -o 0.exr");
+    program_well("camera low.exr --expose-to 0.5 --wavelength 660nm -o 1.exr");
+    program_well("camera high.exr --expose-to 0.2 --wavelength 660nm --speckle laser.exr "
+                 "-o speckled.exr");
+    program_well("camera high.exr --expose-to 0.5 --wavelength 660nm -o 0.png");
+    return 0;
+}
+
+/* The mean of a part of a range image's row. */
+static double row_mean(const char *path, const char *part, uint32_t row) {
+    mcv_exr exr;
+    mcv_error error;
+    double sum = 0;
+    if (mcv_exr_read(path, &exr, &error) != MCV_OK) fail_msg("%s", error.text);
+    uint32_t number = 0;
+    while (number < exr.part_count && strcmp(exr.parts[number].name, part) != 0) ++number;
+    assert_true(number < exr.part_count);
+    const mcv_image *image = &exr.parts[number].image;
+    for (uint32_t i = 0; i < image->width; ++i)
+        sum += (double)image->pixels[row * image->width + i] / image->width;
+    mcv_exr_free(&exr);
+    return sum;
+}
+
+/*
+ * Heights are those of the plate: its top is 0.2 m below the laser, and 0.3 mm lower in the second
+ * image. A place's uncertainty, some 0.02 pixels, is 2 µm; the mean of 48 has 0.3 µm, and 6 µm are
+ * a place that is off by 0.07 pixels. In the plate's coordinates both tops are at 5 mm, and the
+ * second profile lies 0.2 mm further back.
+ */
+static void test_heights(void **state) {
+    (void)state;
+    program_well("triangulate 0.exr 1.exr --laser laser --feed 0.2mm -o z.exr -o z.csv -o z.ply -o "
+                 "z.npz");
+    assert_true(fabs(row_mean("z.exr", "image", 0) + 0.2) <= 6e-6);
+    assert_true(fabs(row_mean("z.exr", "image", 1) + 0.2003) <= 6e-6);
+    assert_true(fabs(row_mean("z.exr", "mask", 1) - 1) <= 1e-9);
+    assert_true(fabs(row_mean("z.exr", "y", 1) - row_mean("z.exr", "y", 0) + 2e-4) <= 1e-9);
+    const double u = row_mean("z.exr", "error", 0);
+    if (!(u > 1e-7 && u < 5e-6)) fail_msg("u(z) is %g m", u);
+    program_well("triangulate 0.exr 1.exr --laser laser --frame plate -o p.exr");
+    for (uint32_t row = 0; row < 2; ++row)
+        if (!(fabs(row_mean("p.exr", "y", row) - 5e-3) <= 6e-6))
+            fail_msg("the plate's top is at %g m", row_mean("p.exr", "y", row));
+    assert_true(fabs(row_mean("p.exr", "image", 1) - row_mean("p.exr", "image", 0) + 2e-4) <= 1e-9);
+}
+
+/* A place in pixels needs no header but that of grey values; extractors agree. */
+static void test_places(void **state) {
+    (void)state;
+    static const char *const extractors[] = {"cog", "parabola", "logGauss", "blaisRioux", "gauss"};
+    for (int i = 0; i < 5; ++i) {
+        char line[128];
+        snprintf(line, sizeof line, "triangulate 0.png --extractor %s --json -o p.csv",
+                 extractors[i]);
+        json_t *told = program_json(line);
+        assert_true(number_at(told, "seen") == 48);
+        json_decref(told);
+        FILE *file = fopen("p.csv", "r");
+        char row[256];
+        assert_non_null(file);
+        assert_non_null(fgets(row, sizeof row, file));
+        assert_string_equal(row, "profile,column,state,place_px,u_place_px,peak,sum,sigma_px\n");
+        assert_non_null(fgets(row, sizeof row, file));
+        const char *seen = strstr(row, "0,0,seen,");
+        const double place = seen ? strtod(seen + strlen("0,0,seen,"), NULL) : NAN;
+        fclose(file);
+        /* The light meets the axis: the middle of 48 rows. */
+        if (!(fabs(place - 24) <= 0.1)) fail_msg("%s: place %g", extractors[i], place);
+    }
+}
+
+/*
+ * Speckle is in the uncertainty, which heights about a straight line show: 48 places, nearly
+ * independent, know their spread to 10 %, and 4.5 of that with 5 % of the integral are 50 %.
+ */
+static void test_speckle(void **state) {
+    (void)state;
+    json_t *plain = program_json("triangulate 0.exr --laser laser --json"),
+           *speckled = program_json("triangulate speckled.exr --laser laser --json");
+    const double u = number_at(speckled, "height_uncertainty"),
+                 seen = number_at(speckled, "about_straight_lines");
+    print_message("u(z) %.3g m, seen %.3g m\n", u, seen);
+    assert_true(u > 3 * number_at(plain, "height_uncertainty"));
+    if (!(fabs(seen / u - 1) <= 0.5)) fail_msg("u(z) %g m, seen %g m", u, seen);
+    json_decref(plain);
+    json_decref(speckled);
+}
+
+static void test_bad_input(void **state) {
+    (void)state;
+    program_fails("triangulate 0.exr 1.exr --laser laser", 2, "give --feed D, or --frame NODE");
+    program_fails("triangulate 0.exr 1.exr --laser laser --frame plate --feed 1mm", 2,
+                  "moves from image to image by itself: leave out --feed");
+    program_fails("triangulate 0.exr --laser lamp", 2, "lamp");
+    program_fails("triangulate 0.exr --window 8", 2, "--window 8: must be odd");
+    program_fails("triangulate 0.exr --feed 1mm", 2, "--feed is of heights: give --laser NODE");
+    program_fails("triangulate 0.exr -o z.exr", 2, "z.exr: holds heights: give --laser NODE");
+    program_fails("triangulate 0.exr -o z.txt", 2, "must end in .csv, .exr, .npz or .ply");
+    program_fails("triangulate 0.exr --laser laser -o 0.exr", 2, "0.exr is one of the images");
+    program_fails("triangulate none.exr", 3, "none.exr");
+    program_fails("triangulate", 2, "IMAGE");
+    /* An image without a header of ours has places, but no heights. */
+    program_well("camera high.exr --expose-to 0.5 --wavelength 660nm -o 0.npy");
+    program_well("triangulate 0.npy");
+    program_fails("triangulate 0.npy --laser laser", 3, "has no camera model in its header");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_heights),
+        cmocka_unit_test(test_places),
+        cmocka_unit_test(test_speckle),
+        cmocka_unit_test(test_bad_input),
+    };
+    return cmocka_run_group_tests(tests, make_images, leave_folder);
+}
