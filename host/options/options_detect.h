@@ -9,6 +9,9 @@
       "image whose pixels above 0 count; by default all") \
     X(number, visible, "visible", 0, "K", MCV_IN_DETECT, "3", 0, 1e6, \
       "a pixel shows the defect where its difference is at least K deviations of the noise") \
+    X(text, step, "step", 0, "STEP", MCV_IN_DETECT, NULL, 0, 0, \
+      "by how much a parameter of the scene differs between the pictures, as in 1mm or 0.5deg: " \
+      "tells how well any method can know it from one exposure") \
     X(text, mask, "output", 'o', "F.png", MCV_IN_DETECT, NULL, 0, 0, \
       "write which pixels show the defect: 255, the others 0; .png, .tif or .npy") \
     X(text, marred_rig, "rig", 0, "RIG.gltf", MCV_IN_DETECT, NULL, 0, 0, \

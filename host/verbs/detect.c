@@ -3,6 +3,7 @@
 
 #include "io/exr_make.h"
 #include "io/values.h"
+#include "scene/params.h"
 #include "verbs/compare.h"
 #include "verbs/grey_picture.h"
 
@@ -72,6 +73,14 @@ static mcv_result check_pair(const mcv_compared *a, const mcv_compared *b, mcv_e
     return MCV_OK;
 }
 
+static mcv_result read_step(const char *text, double *step, mcv_error *error) {
+    *step = 0;
+    if (!text || (mcv_parse_quantity(text, MCV_PARAM_choice, step) && *step > 0)) return MCV_OK;
+    return mcv_fail(error, MCV_USAGE,
+                    "--step %s: must be above 0, a number or with a unit as in 1mm or 0.5deg",
+                    text);
+}
+
 /* What a detection works on. */
 typedef struct work {
     const mcv_exr *exr[2];
@@ -117,7 +126,8 @@ mcv_result mcv_detect_pictures(const mcv_command *command, const mcv_exr *with,
     work w = {.exr = {with, without}};
     mcv_pairs pairs;
     *detected = (mcv_detected){.same_seed = false};
-    mcv_result result = mcv_compared_read(with, with_path, w.pictures, error);
+    mcv_result result = read_step(command->step, &detected->step, error);
+    if (result == MCV_OK) result = mcv_compared_read(with, with_path, w.pictures, error);
     if (result == MCV_OK) result = mcv_compared_read(without, without_path, w.pictures + 1, error);
     if (result == MCV_OK) result = check_pair(w.pictures, w.pictures + 1, error);
     if (result == MCV_OK) result = gather(command, &w, detected, &pairs, error);
@@ -174,6 +184,18 @@ static void tell_detectability(const mcv_detection *d, mcv_report *report) {
                           mcv_normal_below(d->detectability - calls[i].quantile));
 }
 
+/* The Cramér-Rao bound of what differs by a step: an end that nothing bounds is left out. */
+static void tell_bound(const mcv_detected *detected, mcv_report *report) {
+    const mcv_detection *d = &detected->detection;
+    if (detected->step == 0) return;
+    mcv_report_open(report, "bound");
+    if (d->detectability > 0)
+        mcv_report_number(report, "value", "", detected->step / d->detectability);
+    if (d->high > 0) mcv_report_number(report, "low", "", detected->step / d->high);
+    if (d->low > 0) mcv_report_number(report, "high", "", detected->step / d->low);
+    mcv_report_close(report);
+}
+
 void mcv_detect_report(const mcv_command *command, const mcv_detected *detected,
                        mcv_report *report) {
     const mcv_detection *d = &detected->detection;
@@ -185,6 +207,7 @@ void mcv_detect_report(const mcv_command *command, const mcv_detected *detected,
         mcv_report_tell(report, "warning",
                         "the render's noise hides the defect: more samples narrow the interval");
     tell_detectability(d, report);
+    tell_bound(detected, report);
     mcv_report_quantity(report, "contrast", "", d->contrast.value, d->contrast.uncertainty);
     mcv_report_quantity(report, "rms_contrast", "", d->rms_contrast.value,
                         d->rms_contrast.uncertainty);

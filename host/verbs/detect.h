@@ -16,6 +16,7 @@ typedef struct mcv_detected {
     mcv_image truth;  /* share of each pixel that sees changed surface; owned, or empty */
     char lens[128];   /* what blurs, in words */
     bool same_seed;
+    double step; /* of a parameter between the pictures [SI]; 0: not told */
 } mcv_detected;
 
 /* Of two pictures of light with all their replicates; the paths are for messages. After failure
