@@ -6,8 +6,9 @@ from __future__ import annotations
 import glob
 import hashlib
 import os
+import re
 import sys
-from typing import List, Optional
+from typing import Any, List, Mapping, Optional
 
 SYSTEM_VENDORS = "/etc/OpenCL/vendors"
 # The loader takes its drivers from the folder that this names.
@@ -37,6 +38,12 @@ def can_link() -> bool:
         return subprocess.run(command, capture_output=True, timeout=10).returncode == 0
     except (OSError, subprocess.SubprocessError):
         return False
+
+
+def knows_processor(device: Mapping[str, Any]) -> bool:
+    """Compilers that are older than an x86 processor take it for "generic", at the end of PoCL's
+    version, and then refuse that as a target."""
+    return re.search(r"-x86_64\S*-generic\b", device["version"]) is None
 
 
 def _cache_folder() -> str:

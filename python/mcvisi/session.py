@@ -278,7 +278,6 @@ class Session(Handle):
             interruption.image = render.image  # type: ignore[attr-defined]
             raise
 
-
     def _render_matrix(
         self,
         rig: Any,
@@ -316,9 +315,15 @@ def _has_device() -> bool:
     """Warns once where there is none."""
     global _found, _warned
     try:
-        _found = _found or bool(devices())
+        there = [] if _found else devices()
+        _found = _found or any(opencl.knows_processor(device) for device in there)
         if _found:
             return True
+        if there:
+            opencl.hint = (
+                "; PoCL is there, but does not know this processor: install a newer one, such as "
+                "pocl-opencl-icd"
+            )
     except DeviceError:
         pass
     if not _warned:

@@ -6,9 +6,10 @@ import pathlib
 import stat
 import subprocess
 import sys
+import warnings
 
 import pytest
-from mcvisi import opencl
+from mcvisi import opencl, session
 
 
 def put_compiler(place, words):
@@ -115,3 +116,17 @@ def test_without_opencl_the_reference_renderer_is_used(folder, tmp_path):
         [sys.executable, "-c", script], cwd=folder, env=environment, capture_output=True, text=True
     )
     assert ended.returncode == 0, ended.stderr
+
+
+@pytest.mark.parametrize("target, known", [("generic", False), ("skylake-avx512", True)])
+def test_a_compiler_that_does_not_know_the_processor(monkeypatch, target, known):
+    # What PoCL of PyPI says of a processor that is newer than it; each of its kernels fails.
+    version = "OpenCL 3.0 PoCL HSTR: pthread-x86_64-unknown-linux-gnu-%s, driver 3.0-rc2" % target
+    monkeypatch.setattr(session, "devices", lambda: [{"name": "a processor", "version": version}])
+    monkeypatch.setattr(session, "_found", False)
+    monkeypatch.setattr(session, "_warned", False)
+    monkeypatch.setattr(opencl, "hint", "")
+    with warnings.catch_warnings(record=True) as told:
+        warnings.simplefilter("always")
+        assert session._has_device() == session._has_device() == known
+    assert ["does not know this processor" in str(w.message) for w in told] == [True] * (not known)
