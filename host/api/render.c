@@ -158,6 +158,7 @@ mcv_result mcv_rendering_saves(mcv_rendering *r, const mcv_command *command, con
                                uint32_t sensor, const char *path, bool by_default, mcv_saves *saves,
                                mcv_error *error) {
     json_t *identity = mcv_checkpoint_identity(command, scene, sensor, r->rendered.set);
+    if (identity) mcv_checkpoint_hash(identity, r->rendered.replicates, r->rendered.identity);
     mcv_saves_begin(saves, path, by_default, identity);
     r->saves = saves;
     const mcv_result result = !identity ? mcv_fail(error, MCV_FAILED, "no memory for checkpoints")

@@ -87,9 +87,16 @@ static mcv_result expose(files_call *c, const mcv_render_files *files, mcv_error
     return result;
 }
 
+static mcv_result tell_note(files_call *c, const char *severity, const char *sentence,
+                            mcv_error *error) {
+    mcv_report report;
+    MCV_TRY(mcv_report_keep(&report, c->given.command.json, error));
+    mcv_report_tell(&report, severity, sentence);
+    return tell_report(c, &report, false, error);
+}
+
 /* A checkpoint is there to go on with, or to be told of. */
 static mcv_result tell_checkpoint(files_call *c, const mcv_saves *saves, mcv_error *error) {
-    mcv_report report;
     char sentence[PATH_MAX + 160];
     const bool resume = c->given.command.resume,
                exists = saves->path && access(saves->path, F_OK) == 0;
@@ -99,18 +106,29 @@ static mcv_result tell_checkpoint(files_call *c, const mcv_saves *saves, mcv_err
                     : "%s: holds an unfinished render, which --resume goes on with; without it, "
                       "it is replaced",
              saves->path ? saves->path : "--checkpoint off");
-    MCV_TRY(mcv_report_keep(&report, c->given.command.json, error));
-    mcv_report_tell(&report, "note", sentence);
-    return tell_report(c, &report, false, error);
+    return tell_note(c, "note", sentence, error);
+}
+
+/* With --resume an image that is finished is kept; one of another render is told of. */
+static mcv_result keep_finished(files_call *c, const mcv_scene *scene, uint32_t sensor,
+                                const mcv_render_files *files, const mcv_saves *saves, bool *kept,
+                                mcv_error *error) {
+    char sentence[PATH_MAX + 160];
+    *kept = c->given.command.resume && mcv_render_files_kept(files, c->rendering.rendered.identity,
+                                                             mcv_rendered_unit(scene, sensor));
+    if (!*kept && (!c->given.command.resume || saves->resumes || !mcv_render_files_finished(files)))
+        return MCV_OK;
+    snprintf(sentence, sizeof sentence,
+             *kept ? "%s: is finished, and stays"
+                   : "%s: is of another render, or has no film: it is rendered anew",
+             files->exr);
+    MCV_TRY(tell_note(c, "note", sentence, error));
+    return *kept && files->grey[0] ? expose(c, files, error) : MCV_OK;
 }
 
 static void warn(mcv_rendering *rendering, const char *sentence) {
-    files_call *c = (files_call *)rendering;
-    mcv_report report;
     mcv_error ignored;
-    if (mcv_report_keep(&report, c->given.command.json, &ignored) != MCV_OK) return;
-    mcv_report_tell(&report, "warning", sentence);
-    (void)tell_report(c, &report, false, &ignored);
+    (void)tell_note((files_call *)rendering, "warning", sentence, &ignored);
 }
 
 /* Renders into the film; previews appear under the name of that of the image. */
@@ -149,27 +167,22 @@ static mcv_result tell_interrupted(const mcv_saves *saves, const char *finished,
                     saves->exists ? saves->path : "");
 }
 
-static mcv_result render_sensor(files_call *c, mcv_scene *scene, mcv_render_options options,
-                                uint32_t sensor, bool several, mcv_error *error) {
-    mcv_render_files files, planned;
+/* *done: nothing is left to go on with. */
+static mcv_result render_planned(files_call *c, mcv_scene *scene, mcv_render_options *options,
+                                 uint32_t sensor, const mcv_render_files *planned, bool *done,
+                                 mcv_error *error) {
+    mcv_render_files files = *planned;
     mcv_render_stats stats = {.stage_count = 0};
     mcv_film film = {0};
     mcv_rendering *r = &c->rendering;
     mcv_early early;
-    mcv_saves saves;
     bool kept = false;
-    MCV_TRY(mcv_render_files_plan(&c->given.command, scene, sensor, several, &files, error));
-    planned = files;
-    r->begun = mcv_seconds();
     mcv_sensor_label(scene, sensor, r->sensor, sizeof r->sensor);
     mcv_rendering_tell(r, 0, INFINITY, false);
-    MCV_TRY(mcv_rendering_saves(r, &c->given.command, scene, sensor,
-                                files.film[0] ? files.film : NULL, !c->given.command.checkpoint,
-                                &saves, error));
-    mcv_early_begin(&early, scene, sensor, planned.png, mcv_rendered_unit(scene, sensor), &options);
-    mcv_result result = tell_checkpoint(c, &saves, error);
+    mcv_early_begin(&early, scene, sensor, planned->png, mcv_rendered_unit(scene, sensor), options);
+    mcv_result result = tell_checkpoint(c, r->saves, error);
     if (result == MCV_OK)
-        result = render_film(c, scene, &options, sensor, &film, &stats, &early, error);
+        result = render_film(c, scene, options, sensor, &film, &stats, &early, error);
     if (result == MCV_OK) result = choose_files(r, &early, &files, &kept, error);
     if (result == MCV_OK) {
         mcv_rendering_tell(r, 1, mcv_film_relative_error(&film), true);
@@ -180,14 +193,32 @@ static mcv_result render_sensor(files_call *c, mcv_scene *scene, mcv_render_opti
     if (result == MCV_OK && files.grey[0]) result = expose(c, &files, error);
     /* A part that lacks samples would be merged unnoticed; they are in the checkpoint. */
     if (result == MCV_OK && files.part[0] && !stats.interrupted)
-        result = mcv_part_write(files.part, saves.identity, &r->rendered, error);
-    r->rendered = (mcv_rendered){
-        .set = r->rendered.set, .hash = r->rendered.hash, .replicates = r->rendered.replicates};
+        result = mcv_part_write(files.part, r->saves->identity, &r->rendered, error);
     mcv_film_free(&film);
     if (result == MCV_OK && r->stopped)
-        result = tell_interrupted(&saves, kept ? planned.exr : NULL, &files, error);
+        result = tell_interrupted(r->saves, kept ? planned->exr : NULL, &files, error);
+    *done = result == MCV_OK || (result == MCV_INTERRUPTED && !stats.interrupted);
+    return result;
+}
+
+static mcv_result render_sensor(files_call *c, mcv_scene *scene, mcv_render_options options,
+                                uint32_t sensor, bool several, mcv_error *error) {
+    mcv_render_files files;
+    mcv_rendering *r = &c->rendering;
+    mcv_saves saves;
+    bool done;
+    MCV_TRY(mcv_render_files_plan(&c->given.command, scene, sensor, several, &files, error));
+    r->begun = mcv_seconds();
+    MCV_TRY(mcv_rendering_saves(r, &c->given.command, scene, sensor,
+                                files.film[0] ? files.film : NULL, !c->given.command.checkpoint,
+                                &saves, error));
+    mcv_result result = keep_finished(c, scene, sensor, &files, &saves, &done, error);
+    if (result == MCV_OK && !done)
+        result = render_planned(c, scene, &options, sensor, &files, &done, error);
+    r->rendered = (mcv_rendered){
+        .set = r->rendered.set, .hash = r->rendered.hash, .replicates = r->rendered.replicates};
     r->saves = NULL;
-    mcv_saves_end(&saves, result == MCV_OK || (result == MCV_INTERRUPTED && !stats.interrupted));
+    mcv_saves_end(&saves, done);
     return result;
 }
 

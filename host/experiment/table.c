@@ -200,27 +200,42 @@ static const char *unquote(char *text) {
     return text;
 }
 
-/* Whether the row is kept: it is one of the plan, the first of its set, and not to be tried again.
- */
-static bool read_line(mcv_table *table, char *line, bool *done) {
+/* The set of a row, whose text goes on at *end: digits alone, and one of the plan. */
+static mcv_result read_set(const mcv_table *table, char *line, size_t number, size_t *set,
+                           char **end, mcv_error *error) {
+    const int shown = (int)strcspn(line, ",");
+    *end = line + strspn(line, "0123456789");
+    *set = *end > line ? strtoull(line, NULL, 10) : SIZE_MAX;
+    if (*set < table->plan->set_count && *end == line + shown) return MCV_OK;
+    return mcv_fail(error, MCV_BAD_INPUT,
+                    "%s: line %zu: \"%.*s\" must be the number of a set, from 0 to %zu: mend the "
+                    "line, or begin the table again by --force",
+                    table->path, number, mcv_whole_characters(line, shown < 40 ? shown : 40), line,
+                    table->plan->set_count - 1);
+}
+
+/* *kept: the row is whole, the first of its set, and not to be tried again. */
+static mcv_result read_line(mcv_table *table, char *line, size_t number, bool *done, bool *kept,
+                            mcv_error *error) {
     double row[MCV_ROW_MOST];
-    char *at = line;
-    const double number = strtod(at, &at);
-    row[mcv_row_fixed(table, MCV_ROW_SET)] = number;
+    size_t set;
+    char *at;
+    *kept = false;
+    MCV_TRY(read_set(table, line, number, &set, &at, error));
+    row[mcv_row_fixed(table, MCV_ROW_SET)] = (double)set;
     for (size_t i = 0; i + 1 < table->columns && *at == ','; ++i) {
         char *end;
         row[i] = strtod(++at, &end);
         if (end == at) row[i] = NAN;
         at = end;
     }
-    if (*at != ',' || !(number >= 0 && number < (double)table->plan->set_count)) return false;
-    const size_t set = (size_t)number;
+    if (*at != ',') return MCV_OK;
     const char *message = at[1] ? unquote(at + 1) : NULL;
     if (done[set] || (message && strncmp(message, MCV_ROW_RETRY, strlen(MCV_ROW_RETRY)) == 0))
-        return false;
-    done[set] = true;
+        return MCV_OK;
+    *kept = done[set] = true;
     keep(table, row, message);
-    return true;
+    return MCV_OK;
 }
 
 /* Puts the kept lines in the place of the file, which is locked anew. */
@@ -234,19 +249,24 @@ static mcv_result replace(mcv_table *table, const char *text, size_t size, mcv_e
 mcv_result mcv_table_resume(mcv_table *table, bool *done, mcv_error *error) {
     char *line = NULL, *kept = NULL;
     size_t room = 0, size = 0;
+    size_t number = 0;
     off_t whole = 0;
     bool all = true;
+    mcv_result result = MCV_OK;
     FILE *file = fopen(table->path, "re"), *out = file ? open_memstream(&kept, &size) : NULL;
     if (!out) {
         if (file) fclose(file);
         return mcv_fail(error, MCV_BAD_INPUT, "%s: %s", table->path, strerror(errno));
     }
-    for (ssize_t length; (length = getline(&line, &room, file)) > 0 && line[length - 1] == '\n';
+    for (ssize_t length;
+         result == MCV_OK && (length = getline(&line, &room, file)) > 0 && line[length - 1] == '\n';
          whole += length) {
         const long before = ftell(out);
+        bool kept_too = true; /* the header is */
         fwrite(line, 1, (size_t)length, out);
         line[length - 1] = '\0';
-        if (whole == 0 || read_line(table, line, done)) continue; /* the header */
+        if (++number > 1) result = read_line(table, line, number, done, &kept_too, error);
+        if (kept_too) continue;
         all = false;
         fseek(out, before, SEEK_SET);
     }
@@ -255,12 +275,12 @@ mcv_result mcv_table_resume(mcv_table *table, bool *done, mcv_error *error) {
     free(line);
     fclose(file);
     const long end = ftell(out);
-    mcv_result result = MCV_OK;
-    if (!mcv_text_close(out, &kept) || !read)
+    const bool closed = mcv_text_close(out, &kept);
+    if (result == MCV_OK && (!closed || !read))
         result = mcv_fail(error, MCV_FAILED, "%s: no memory for its rows", table->path);
-    else if (!all)
+    else if (result == MCV_OK && !all)
         result = replace(table, kept, (size_t)end, error);
-    else if (ftruncate(table->descriptor, whole) != 0)
+    else if (result == MCV_OK && ftruncate(table->descriptor, whole) != 0)
         result = mcv_fail(error, MCV_FAILED, "%s: %s", table->path, strerror(errno));
     free(kept);
     return result != MCV_OK || whole > 0 ? result : append_line(table, NULL, NULL, error);

@@ -53,7 +53,8 @@ mcv_result mcv_table_lock(mcv_table *table, bool *exists, mcv_error *error);
 mcv_result mcv_table_begin(mcv_table *table, mcv_error *error);
 
 /* Reads the rows of the file that is locked. What follows the last whole one is removed, and so are
- * the rows of sets that failed for want of a device (MCV_ROW_RETRY). done[set] is set for each. */
+ * the rows of sets that failed for want of a device (MCV_ROW_RETRY). done[set] is set for each.
+ * MCV_BAD_INPUT for a line that begins with no set of the plan; the file then stays as it is. */
 mcv_result mcv_table_resume(mcv_table *table, bool *done, mcv_error *error);
 
 /* Appends a row to the file, in one write, and to memory. message: why the set failed, or NULL. */

@@ -15,7 +15,7 @@
       "with --samples: also write the film, for `mcvisi merge`") \
     X(flag, resume, "resume", 0, NULL, MCV_IN_RENDERS, NULL, 0, 0, \
       "continue a table, or a render from its checkpoint, to the bits that it would have had; " \
-      "scene and options must be the same") \
+      "images that are finished stay; scene and options must be the same") \
     X(text, share, "range", 0, "I/N", MCV_IN_SWEEP, NULL, 0, 0, \
       "render only a part of the sets, the I-th of N from 0 on: those whose number leaves the " \
       "rest I when divided by N; the table is named after it, F.I-of-N.csv; `mcvisi merge` joins " \

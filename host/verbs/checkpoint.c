@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "verbs/checkpoint.h"
 
+#include "core/basics.h"
 #include "core/json.h"
 #include "options/option_table.h"
 #include "scene/sensor_find.h"
@@ -58,6 +59,17 @@ json_t *mcv_checkpoint_identity(const mcv_command *command, const mcv_scene *sce
 static char *plain(const json_t *value) {
     return json_is_string(value) ? strdup(json_string_value(value))
                                  : json_dumps(value, JSON_ENCODE_ANY | JSON_REAL_PRECISION(6));
+}
+
+void mcv_checkpoint_hash(const json_t *identity, bool replicates, char hash[MCV_RENDER_HASH]) {
+    char *text = json_dumps(identity, JSON_COMPACT | JSON_SORT_KEYS);
+    hash[0] = '\0';
+    if (!text) return;
+    uint64_t value = mcv_hash_bytes(MCV_HASH_BEGIN, text, strlen(text));
+    value = mcv_hash_bytes(value, mcv_version(), strlen(mcv_version()));
+    value = mcv_hash_bytes(value, &(unsigned char){replicates}, 1);
+    snprintf(hash, MCV_RENDER_HASH, "%016" PRIx64, value);
+    free(text);
 }
 
 static mcv_result differs(const char *path, const char *key, const json_t *before,

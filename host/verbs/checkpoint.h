@@ -4,8 +4,9 @@
  * film they have
  *
  *     version    of the program
- *     identity   all that decides the bits of the image: {"scene": hash, "sensor": name, "size":
- *                [w, h], "renderer": "opencl" or "reference", options by their names}
+ *     identity   all that decides the bits of the image: {"scene": hash, "sensor": name, "set":
+ *                texts, "resolution": "WxH", "precision": "double" of the reference renderer, …;
+ *                options by their names}
  *     device     the device and its driver
  *     state      of an unfinished render: {"thinning", "decided", "seconds"}
  *     stats      what the render has counted
@@ -21,6 +22,10 @@
 /* The identity of a render, to be freed by json_decref; NULL without memory. */
 json_t *mcv_checkpoint_identity(const mcv_command *command, const mcv_scene *scene, uint32_t sensor,
                                 mcv_overrides set);
+
+/* A hash of the identity, the version, and whether the image has a part for each replicate: images
+ * of the same hash have the same bits. Empty without memory. */
+void mcv_checkpoint_hash(const json_t *identity, bool replicates, char hash[MCV_RENDER_HASH]);
 
 /* Version, identity (a copy), device and stats; NULL without memory. */
 json_t *mcv_checkpoint_facts(const json_t *identity, const mcv_render_stats *stats);

@@ -6,6 +6,7 @@
 #include "scene/camera_model.h"
 #include "verbs/checkpoint.h"
 
+#include <inttypes.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -179,10 +180,22 @@ static double number_of(const json_t *facts, const char *object, const char *key
     return json_number_value(json_object_get(json_object_get(facts, object), key));
 }
 
+/* Of the render of all samples at once. */
+static void hash_whole(const part *parts, const mcv_film *film, bool replicates,
+                       char hash[MCV_RENDER_HASH]) {
+    json_t *identity = json_copy(json_object_get(parts[0].facts, "identity"));
+    json_object_set_new(
+        identity, "samples",
+        json_sprintf("%" PRIu64 ":%" PRIu64, parts[0].first, parts[0].first + film->samples));
+    mcv_checkpoint_hash(identity, replicates, hash);
+    json_decref(identity);
+}
+
 /* What the parts have counted together becomes part of the first one's attributes. */
 static mcv_result set_attributes(const part *parts, size_t count, const mcv_film *film,
-                                 mcv_exr *exr, mcv_error *error) {
+                                 bool replicates, mcv_exr *exr, mcv_error *error) {
     double paths = 0, lost = 0, nonfinite = 0, seconds = 0;
+    char hash[MCV_RENDER_HASH];
     for (size_t i = 0; i < count; ++i) {
         const double own = number_of(parts[i].facts, "stats", "paths");
         paths += own;
@@ -196,7 +209,9 @@ static mcv_result set_attributes(const part *parts, size_t count, const mcv_film
         {.name = "mcvisi:lostEnergy", .numbers = {paths > 0 ? lost / paths : 0}, .count = 1},
         {.name = "mcvisi:nonfinite", .numbers = {nonfinite}, .count = 1},
         {.name = "mcvisi:seconds", .numbers = {seconds}, .count = 1},
+        {.name = MCV_PICTURE_RENDER, .text = hash},
     };
+    hash_whole(parts, film, replicates, hash);
     MCV_TRY(mcv_attributes_set_json(exr, json_object_get(parts[0].facts, "attributes"), error));
     return mcv_exr_set_attributes(exr, own, sizeof own / sizeof own[0], error);
 }
@@ -232,7 +247,8 @@ static mcv_result merge(part *parts, size_t count, bool replicates, mcv_exr *exr
     MCV_TRY(check_ranges(parts, count, error));
     mcv_result result = join(parts, count, films, &film_count, error);
     if (result == MCV_OK) result = mcv_film_parts(&films[0].film, replicates, exr, error);
-    if (result == MCV_OK) result = set_attributes(parts, count, &films[0].film, exr, error);
+    if (result == MCV_OK)
+        result = set_attributes(parts, count, &films[0].film, replicates, exr, error);
     if (result == MCV_OK) result = describe(exr, error);
     if (result == MCV_OK) result = tell(parts, count, &films[0].film, report);
     while (film_count > 0) mcv_film_free(&films[--film_count].film);

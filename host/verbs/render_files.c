@@ -6,10 +6,12 @@
 #include "scene/sensor_find.h"
 #include "core/basics.h"
 #include "core/output_file.h"
+#include "film/film_file.h"
 #include "io/exr_header.h"
 #include "scene/sensors.h"
 
 #include <ctype.h>
+#include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -176,6 +178,33 @@ bool mcv_render_files_finished(const mcv_render_files *files) {
     }
     free(bytes);
     return finished;
+}
+
+static bool is_part_of(const char *path, const char *hash) {
+    mcv_film_file part;
+    mcv_error ignored;
+    if (mcv_film_file_look(path, &part, &ignored) != MCV_OK) return false;
+    const char *of = json_string_value(
+        json_object_get(json_object_get(part.facts, "attributes"), MCV_PICTURE_RENDER));
+    const bool same = of && strcmp(of, hash) == 0;
+    mcv_film_file_free(&part);
+    return same;
+}
+
+bool mcv_render_files_kept(const mcv_render_files *files, const char hash[MCV_RENDER_HASH],
+                           const char *unit) {
+    mcv_exr exr;
+    mcv_preview preview = {.white = NAN};
+    mcv_error ignored;
+    if (!hash[0] || mcv_exr_read(files->exr, &exr, &ignored) != MCV_OK) return false;
+    const mcv_attribute *of = mcv_exr_attribute(&exr, MCV_PICTURE_RENDER);
+    const bool kept =
+        of && of->text && strcmp(of->text, hash) == 0 &&
+        !mcv_exr_attribute(&exr, MCV_PICTURE_INTERRUPTED) &&
+        (!files->part[0] || is_part_of(files->part, hash)) &&
+        mcv_png_write_preview(files->png, &exr.parts[0].image, unit, &preview, &ignored) == MCV_OK;
+    mcv_exr_free(&exr);
+    return kept;
 }
 
 mcv_result mcv_render_files_rename(const mcv_render_files *files, mcv_render_files *others,

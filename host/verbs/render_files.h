@@ -44,6 +44,13 @@ mcv_result mcv_render_files_check(const mcv_command *command, const mcv_scene *s
  */
 bool mcv_render_files_finished(const mcv_render_files *files);
 
+/*
+ * Whether the image of the render with this hash lies under its name, finished, and with --film its
+ * part. Its preview is written then: the one that lies there may be an early one.
+ */
+bool mcv_render_files_kept(const mcv_render_files *files, const char hash[MCV_RENDER_HASH],
+                           const char *unit);
+
 /* Other names for the files of an interrupted render, with -interrupted before their endings. */
 mcv_result mcv_render_files_rename(const mcv_render_files *files, mcv_render_files *others,
                                    mcv_error *error);

@@ -130,9 +130,11 @@ static mcv_result add_attributes(const mcv_rendered *r, mcv_exr *exr, const char
     const bool is_laser_lit = mcv_scene_is_laser_lit(r->scene, &wavelength, &linewidth);
     const mcv_attribute of_laser[] = {number_attribute(MCV_LASER_WAVELENGTH, wavelength),
                                       number_attribute(MCV_LASER_LINEWIDTH, linewidth)};
-    const mcv_attribute interrupted = number_attribute(MCV_PICTURE_INTERRUPTED, 1);
+    const mcv_attribute interrupted = number_attribute(MCV_PICTURE_INTERRUPTED, 1),
+                        render = text_attribute(MCV_PICTURE_RENDER, r->identity);
     MCV_TRY(mcv_exr_set_attributes(exr, general, sizeof general / sizeof general[0], error));
     if (is_laser_lit) MCV_TRY(mcv_exr_set_attributes(exr, of_laser, 2, error));
+    if (r->identity[0]) MCV_TRY(mcv_exr_set_attributes(exr, &render, 1, error));
     if (stats->interrupted) MCV_TRY(mcv_exr_set_attributes(exr, &interrupted, 1, error));
     const uint32_t count = mcv_header_attributes(sensor, parameters, names);
     return mcv_exr_set_attributes(exr, parameters, count, error);

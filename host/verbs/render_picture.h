@@ -14,6 +14,10 @@
 /* Attribute of an image whose render was interrupted: 1. */
 #define MCV_PICTURE_INTERRUPTED "mcvisi:interrupted"
 
+/* Attribute of an image: the hash of the render that it is of. */
+#define MCV_PICTURE_RENDER "mcvisi:render"
+enum { MCV_RENDER_HASH = 17 }; /* bytes of its text */
+
 /* What to render: --spp, --error, --time …; 1 % or 60 s where none of them is given. */
 mcv_result mcv_render_options_read(const mcv_command *command, mcv_render_options *options,
                                    mcv_error *error);
@@ -25,9 +29,10 @@ typedef struct mcv_rendered {
     const mcv_render_options *options;
     const mcv_film *film;
     const mcv_render_stats *stats;
-    mcv_overrides set; /* what of the scene is not as its document says */
-    uint64_t hash;     /* FNV-1a of the document */
-    bool replicates;   /* a part with the means of each */
+    mcv_overrides set;              /* what of the scene is not as its document says */
+    uint64_t hash;                  /* FNV-1a of the document */
+    bool replicates;                /* a part with the means of each */
+    char identity[MCV_RENDER_HASH]; /* of mcv_checkpoint_hash, or "" */
 } mcv_rendered;
 
 /* The parts image and error (of two replicates or more), with `replicates` also each of them, and

@@ -207,6 +207,59 @@ static void test_a_save_may_be_asked_for_early(void **state) {
     if (!saved) fail_msg("SIGUSR1 while kernels were built was lost");
 }
 
+/* --- images that are finished --- */
+
+#define TWO \
+    SCENES "bolts.gltf --resolution 8x8 --device reference --checkpoint off -o two.exr --resume "
+
+static void expect_finished(const char *line, bool one, bool other) {
+    const struct timespec before[] = {modified("two-entocentric.exr"),
+                                      modified("two-telecentric.exr")};
+    sleep_for(0.02); /* a file that is written anew has another time */
+    program_well(line);
+    const bool stays[] = {strstr(said, "two-entocentric.exr: is finished, and stays") != NULL,
+                          strstr(said, "two-telecentric.exr: is finished, and stays") != NULL};
+    if (stays[0] != one || stays[1] != other) fail_msg("mcvisi %s: %s", line, said);
+    assert_int_equal(is_same(before[0], modified("two-entocentric.exr")), one);
+    assert_int_equal(is_same(before[1], modified("two-telecentric.exr")), other);
+}
+
+/* Of several sensors those that are finished are not rendered again. */
+static void test_finished_images_stay(void **state) {
+    (void)state;
+    expect_finished("render " TWO "--spp 4", false, false);
+    assert_int_equal(system("cp two-telecentric.exr whole.exr"), 0);
+    remove("two-telecentric.exr");
+    remove("two-entocentric.png");
+    expect_finished("render " TWO "--spp 4", true, false);
+    expect_same_image("whole.exr", "two-telecentric.exr");
+    assert_int_equal(access("two-entocentric.png", R_OK), 0);
+    expect_finished("render " TWO "--spp 4 --camera grey.png --expose-to 0.5", true, true);
+    assert_int_equal(access("grey-entocentric.png", R_OK), 0);
+    expect_finished("render " TWO "--spp 8", false, false);
+    assert_non_null(strstr(said, "two-entocentric.exr: is of another render, or has no film"));
+    expect_finished("render " TWO "--spp 8 --parts replicates", false, false);
+    assert_int_equal(system("head -c 900 whole.exr >two-telecentric.exr"), 0);
+    expect_finished("render " TWO "--spp 8 --parts replicates", true, false);
+}
+
+/* The image of a part is finished once its film is there; merged parts are the image. */
+static void test_finished_parts_stay(void **state) {
+    (void)state;
+    program_well("render " STOPPED " --samples 0:4 -o a.exr");
+    program_well("render " STOPPED " --samples 0:4 -o a.exr --film a.film --resume");
+    assert_non_null(strstr(said, "it is rendered anew"));
+    program_well("render " STOPPED " --samples 0:4 -o a.exr --film a.film --resume");
+    assert_non_null(strstr(said, "a.exr: is finished, and stays"));
+    program_well("render " STOPPED " --samples 4:8 -o b.exr --film b.film");
+    program_well("render " STOPPED " --samples 0:4 -o a.exr --film b.film --resume");
+    assert_non_null(strstr(said, "it is rendered anew"));
+    program_well("render " STOPPED " --samples 4:8 -o b.exr --film b.film");
+    program_well("merge a.film b.film -o ab.exr");
+    program_well("render " STOPPED " --samples 0:8 -o ab.exr --resume");
+    assert_non_null(strstr(said, "ab.exr: is finished, and stays"));
+}
+
 /* The time before counts: a checkpoint that says that all of it has passed ends at once. */
 static void test_time_goes_on(void **state) {
     (void)state;
@@ -237,6 +290,8 @@ int main(void) {
         cmocka_unit_test(test_damaged_checkpoints_are_refused),
         cmocka_unit_test(test_an_interrupted_image_is_known),
         cmocka_unit_test(test_a_save_may_be_asked_for_early),
+        cmocka_unit_test(test_finished_images_stay),
+        cmocka_unit_test(test_finished_parts_stay),
         cmocka_unit_test(test_time_goes_on),
     };
     return cmocka_run_group_tests(tests, enter_folder, leave_folder);

@@ -131,6 +131,27 @@ static void test_failed_sets_are_tried_again(void **state) {
     assert_int_equal(trouble, 0);
 }
 
+/* A line that was edited is not guessed at, and the table stays as it is. */
+static void test_rows_begin_with_a_set(void **state) {
+    static const char *const begins[] = {"1.5", "1e0", "-1", "8", "99999999999999999999",
+                                         "",    "x1",  "+1"};
+    char row[512];
+    (void)state;
+    snprintf(row, sizeof row, "%.400s", strchr(read_whole("whole.csv"), '\n') + 1);
+    row[strcspn(row, "\n")] = '\0';
+    assert_int_equal(system("cp whole.json edited.json"), 0);
+    for (size_t i = 0; i < sizeof begins / sizeof begins[0]; ++i) {
+        char text[1024], words[128];
+        snprintf(text, sizeof text, "%.*s\n%s%s\n", (int)strcspn(read_whole("whole.csv"), "\n"),
+                 read_whole("whole.csv"), begins[i], strchr(row, ','));
+        snprintf(words, sizeof words,
+                 "edited.csv: line 2: \"%s\" must be the number of a set, from 0 to 7", begins[i]);
+        write_file("edited.csv", text);
+        program_fails(SWEEP " -o edited.csv --resume", 3, words);
+        assert_string_equal(read_whole("edited.csv"), text);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_parts_make_the_table),
@@ -139,6 +160,7 @@ int main(void) {
         cmocka_unit_test(test_the_holder_is_told),
         cmocka_unit_test(test_no_device_ends_the_sweep),
         cmocka_unit_test(test_failed_sets_are_tried_again),
+        cmocka_unit_test(test_rows_begin_with_a_set),
     };
     return cmocka_run_group_tests(tests, enter_folder, leave_folder);
 }
