@@ -21,7 +21,7 @@ static void make_unit(double v[3]) {
 }
 
 mcv_sight mcv_sight_of(const mcv_camera_model *model, uint32_t column, uint32_t row) {
-    mcv_sight sight;
+    mcv_sight sight = {0};
     const double pixel[2] = {column + 0.5, row + 0.5};
     /* Two depths that differ by about the distance of the part keep the direction's digits. */
     const double far =

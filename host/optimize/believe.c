@@ -76,9 +76,9 @@ static size_t find_best(const double *values, const double *chances, size_t coun
 mcv_result mcv_search_best(const mcv_searching *s, bool cautious, double *unit, double *mean,
                            bool *meets, mcv_error *error) {
     const size_t n = s->surrogate.count, d = s->surrogate.dimensions;
-    double *means = malloc(4 * n * sizeof *means), *values = means + 2 * n,
-           *chances = means + 3 * n;
+    double *means = malloc(4 * n * sizeof *means);
     if (!means) return mcv_fail(error, MCV_FAILED, "no memory for a search");
+    double *values = means + 2 * n, *chances = means + 3 * n;
     mcv_result result =
         mcv_surrogate_predict(&s->surrogate, s->surrogate.points, n, means, means + n, error);
     if (result == MCV_OK) result = mcv_search_chances(s, s->surrogate.points, n, chances, error);

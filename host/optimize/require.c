@@ -29,8 +29,9 @@ mcv_result mcv_search_chances(const mcv_searching *s, const double *points, size
                               double *chances, mcv_error *error) {
     for (size_t i = 0; i < count; ++i) chances[i] = 1;
     if (s->search->requirements == 0 || count == 0) return MCV_OK;
-    double *means = malloc(2 * count * sizeof *means), *deviations = means + count;
+    double *means = malloc(2 * count * sizeof *means);
     if (!means) return mcv_fail(error, MCV_FAILED, "no memory for a search");
+    double *deviations = means + count;
     mcv_result result = MCV_OK;
     for (size_t k = 0; k < s->search->requirements && result == MCV_OK; ++k) {
         result = mcv_surrogate_predict(s->limits + k, points, count, means, deviations, error);

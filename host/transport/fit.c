@@ -100,8 +100,9 @@ static double value_at(void *user, const double *at, double *slopes) {
 
 /* The weights, and the value there. */
 static mcv_result solve(fit *f, double *weights, double *value, mcv_error *error) {
-    double *scale = malloc(2 * f->n * sizeof *scale), *slopes = scale + f->n;
+    double *scale = malloc(2 * f->n * sizeof *scale);
     if (!scale) return mcv_fail(error, MCV_FAILED, "no memory to fit %zu weights", f->n);
+    double *slopes = scale + f->n;
     for (size_t a = 0; a < f->n; ++a) {
         const double own = f->problem.g[a * f->n + a];
         scale[a] = own > 0 ? 1 / sqrt(own) : 0;

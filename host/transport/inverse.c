@@ -99,9 +99,10 @@ static double misfit(void *user, const double *at, double *slopes) {
 
 /* Fits x, which is the replay. */
 static mcv_result fit(equations *s, double damping, double *x, mcv_error *error) {
-    double *at = malloc(2 * s->elements * sizeof *at), *scale = at + s->elements, sum = 0;
+    double *at = malloc(2 * s->elements * sizeof *at), sum = 0;
     size_t lit = 0;
     if (!at) return mcv_fail(error, MCV_FAILED, "no memory for a pattern");
+    double *scale = at + s->elements;
     for (size_t e = 0; e < s->elements; ++e)
         if (s->squares[e] > 0) {
             sum += s->squares[e];
