@@ -6,7 +6,9 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "cli/progress.c" /* of the program, which is no library */
+/* Of the program, which is no library. */
+#include "cli/interrupt.c"
+#include "cli/progress.c"
 #include "report/summary.h"
 
 static mcv_summary example(void) {

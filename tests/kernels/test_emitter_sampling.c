@@ -341,8 +341,8 @@ static void check_delta(const char *what, const char *emitter, double reach) {
         ref_vec point = vector_of(in + 8 * i);
         const double *centre = w.scene.packed.centre;
         point = ref_add(point, (ref_vec){centre[0], centre[1], centre[2]});
-        const bool expected =
-            ref_light_at(scene, &scene->emitters[0], point, &light) && light.irradiance[0] > 0;
+        const bool expected = ref_light_at(scene, &scene->emitters[0], point, NULL, &light) &&
+                              light.irradiance[0] > 0;
         assert_true(out[8 * i + 4] == 0);
         if ((out[8 * i + 3] > 0) != expected) {
             ++other;
