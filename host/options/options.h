@@ -180,8 +180,8 @@ enum {
       "darkfield: a low ring close to the part") \
     X(text, material, "material", 0, "M", MCV_IN_NEW, NULL, 0, 0, \
       "material of the whole part, in place of its own: a metal (aluminium), a glass (N-BK7) " \
-      "or a type without required parameters (mirror); by default .stl files are diffuse, for " \
-      "transparent N-BK7") \
+      "or a type without required parameters (mirror); by default .stl files are diffuse; for " \
+      "transparent they are N-BK7, and so is a glTF part that passes no light") \
     X(text, view, "view", 0, "SIDE|X,Y,Z", MCV_IN_NEW, NULL, 0, 0, \
       "side that faces the camera, in the part's coordinates: front (+z), back (-z), right " \
       "(+x), left (-x), top (+y), bottom (-y), or a direction; by default along the part's " \

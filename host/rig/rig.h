@@ -61,6 +61,7 @@ typedef struct mcv_rig_light {
 typedef struct mcv_rig_design {
     mcv_rig_wishes wishes;
     bool stl;
+    bool passes_light;         /* a material of the part's own does */
     double lower[3], upper[3]; /* the part's box */
     uint32_t triangles;
     double centre[3], across[2],

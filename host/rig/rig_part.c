@@ -5,6 +5,7 @@
 #include "core/basics.h"
 #include "loader/load.h"
 #include "loader/load_stl.h"
+#include "scene/materials.h"
 #include "scene/params.h"
 
 #include <ctype.h>
@@ -52,12 +53,20 @@ static mcv_result read_stl(mcv_rig_design *r, double unit, mcv_error *error) {
     return result;
 }
 
+static bool passes_light(const mcv_material *material) {
+    return mcv_material_has_medium(material->type) || mcv_material_is_plate(material->type) ||
+           (material->type == MCV_MATERIAL_METALLIC_ROUGHNESS &&
+            material->as.metallic_roughness.transmission > 0);
+}
+
 static mcv_result read_gltf(mcv_rig_design *r, double unit, mcv_error *error) {
     mcv_scene *scene;
     MCV_TRY(mcv_scene_load(r->wishes.part, (mcv_overrides){NULL, 0}, &scene, error));
-    for (uint32_t i = 0; i < scene->instance_count; ++i)
-        add_points(r, scene->meshes + scene->instances[i].mesh, &scene->instances[i].to_world,
-                   unit);
+    for (uint32_t i = 0; i < scene->instance_count; ++i) {
+        const mcv_instance *instance = scene->instances + i;
+        add_points(r, scene->meshes + instance->mesh, &instance->to_world, unit);
+        r->passes_light = r->passes_light || passes_light(scene->materials + instance->material);
+    }
     mcv_scene_free(scene);
     return r->triangles ? MCV_OK
                         : mcv_fail(error, MCV_BAD_INPUT, "%s: has no mesh", r->wishes.part);
@@ -128,8 +137,10 @@ mcv_result mcv_rig_choose_material(mcv_rig_design *r, mcv_error *error) {
     const char *name = r->wishes.material;
     const size_t room = sizeof r->material;
     bool clear = false;
-    if (!name && !r->stl) return MCV_OK;
-    if (!name) name = r->wishes.kind == MCV_RIG_TRANSPARENT ? "N-BK7" : "diffuse";
+    const bool transparent = r->wishes.kind == MCV_RIG_TRANSPARENT;
+    /* CAD exports glass as opaque as steel. */
+    if (!name && !r->stl && (!transparent || r->passes_light)) return MCV_OK;
+    if (!name) name = transparent ? "N-BK7" : "diffuse";
     if (mcv_rig_word_index(name, mcv_param_options("metal")) >= 0) {
         snprintf(r->material, room,
                  "{\"type\": \"conductor\", \"metal\": \"%s\", \"roughness\": 0.3}", name);
