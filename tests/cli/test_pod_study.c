@@ -5,6 +5,8 @@
 
 #include <math.h>
 
+#include "pod/common_noise.h"
+
 /* A panel that fills the view of a pinhole camera of 8 x 8 pixels. */
 static const char scene[] = PANEL_SCENE("[8,8]", "0.0004", "[2,2]", "1");
 
@@ -106,6 +108,29 @@ static void test_common_noise(void **state) {
     if (strstr(said, "common random numbers")) fail_msg("%s", said);
 }
 
+/* Of an experiment beside the table: its own metrics have the noise of all sets in common unless it
+ * says "own"; a program sees other noise in each set, alone or in a list. */
+static void test_whose_noise_is_common(void **state) {
+    static const struct {
+        const char *experiment;
+        bool common;
+    } cases[] = {
+        {"{\"vary\": \"a=1..2\", \"metric\": \"grey:=mid.mean\"}", true},
+        {"{\"vary\": \"a=1..2\", \"metric\": \"grey:=mid.mean\", \"noise\": \"own\"}", false},
+        {"{\"vary\": \"a=1..2\", \"metric\": \"grey:=exec(./judge)\"}", false},
+        {"{\"vary\": \"a=1..2\", \"metric\": [\"mean\", \"grey:=worker(./judge)\"]}", false},
+        {"{\"vary\": \"a=1..2\", \"metric\": [\"grey:=mean\", \"found:=worker(./judge)\"]}", true},
+        {"{\"metric\": \"grey:=mid.mean\"}", false},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        write_file("table.json", cases[i].experiment);
+        if (mcv_pod_common_noise("table.csv", "grey") != cases[i].common)
+            fail_msg("%s: must be %s", cases[i].experiment, cases[i].common ? "common" : "own");
+    }
+    assert_false(mcv_pod_common_noise("no-such-table.csv", "grey"));
+}
+
 /* A program decides, and only where it is allowed. */
 static void test_program(void **state) {
     (void)state;
@@ -147,7 +172,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         FRESH(test_pictures, scene),     FRESH(test_study, scene),
         FRESH(test_common_noise, scene), FRESH(test_program, scene),
-        FRESH(test_wrong_files, scene),
+        FRESH(test_wrong_files, scene),  FRESH(test_whose_noise_is_common, scene),
     };
     return cmocka_run_group_tests(tests, enter_folder, leave_folder);
 }

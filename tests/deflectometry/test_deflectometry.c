@@ -209,6 +209,14 @@ static void test_noise_is_stated(void **state) {
     for (int i = 0; i < COUNT; ++i) wrong += fabs((double)noisy[i] - (double)right[i]) > 16;
     print_message("wrong periods: %.4f, expected %.4f\n", wrong / COUNT, share);
     assert_float_equal(wrong / COUNT / share, 1, 0.25);
+    /* Without a camera's noise the render's own is stated, and the alias is all that is beyond it.
+     */
+    const double own = told(&quiet, NULL, "slope_uncertainty_x");
+    double squares = 0;
+    for (int i = 0; i < COUNT; ++i)
+        squares += pow((double)map_of(&quiet, "slope", 2)[i], 2) / COUNT;
+    print_message("slopes by the render's noise: %.3g, stated %.3g\n", sqrt(squares), own);
+    assert_true(own > 0 && sqrt(squares) <= ALIAS + 1.2 * own);
     drop(&f);
     drop(&quiet);
     mcv_rig_free(rig);

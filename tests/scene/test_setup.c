@@ -104,6 +104,13 @@ static void test_emitter_that_lights_nothing(void **state) {
     expect(scene, "emitter \"emitter\" lights nothing", 1, "a panel that faces away from all");
 
     scene = with_camera(looking_down_z(0, 0, 0));
+    add_emitter(scene, MCV_EMITTER_AREA,
+                add_rectangle(scene, 0.1, 0.1, add_absorber(scene), looking_down_z(0, 0, -0.3)), 1,
+                0);
+    expect(scene, "emitter \"emitter\" lights nothing", 1,
+           "a lamp of all directions that faces away from all");
+
+    scene = with_camera(looking_down_z(0, 0, 0));
     add_panel(scene, looking_down_z(0, 0, -0.3));
     add_box(scene, half, add_diffuse(scene, 0.5), looking_up_z(0, 0, -0.4));
     expect(scene, "lights nothing", 0, "a panel that faces away from the camera, but to a part");

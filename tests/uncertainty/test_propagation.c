@@ -127,6 +127,10 @@ static void test_correlated_draws(void **state) {
     double sums[3] = {0}, products[3][3] = {{0}}, scores[3], values[3];
     (void)state;
     read_well(kinds, 3, TEXTS("a,b=0.6", "b,c=-0.5", "a,c=0.2"), &t);
+    /* The score r' of a normal and an even distribution: E[x (2 Φ(r' x + …) - 1)] √3 = r' √(3/π).
+     */
+    if (!(fabs(t.factor[1][0] - 0.6 * sqrt(M_PI / 3)) < 1e-9))
+        fail_msg("scores of 0.6: %.12g", t.factor[1][0]);
     mcv_noise noise = mcv_noise_begin(7, 0, 0);
     for (int i = 0; i < DRAWS; ++i) {
         for (int k = 0; k < 3; ++k) scores[k] = mcv_noise_normal(&noise);
@@ -244,6 +248,22 @@ static void test_a_square(void **state) {
     assert_true(f.nonlinear && f.effects[0].curved && !f.effects[0].resolved);
 }
 
+/* x² + y² is curved in each, and nothing interacts; with (x + y)² it does: 2 x y. */
+static double squares(const double *x) { return x[0] * x[0] + x[1] * x[1]; }
+static double square_of_sum(const double *x) { return (x[0] + x[1]) * (x[0] + x[1]); }
+
+static void test_curvature_is_no_interaction(void **state) {
+    static const char *const kinds[] = {"normal(0,1)", "normal(0,0.7)"};
+    mcv_tolerances t;
+    (void)state;
+    read_well(kinds, 2, no_texts, &t);
+    const mcv_propagation p = {&t, 3, 0, false};
+    mcv_propagated f = propagate(&p, squares, (noises){0, 0}, 12);
+    assert_true(f.effects[0].curved && f.effects[1].curved && !f.interacts);
+    f = propagate(&p, square_of_sum, (noises){0, 0}, 12);
+    assert_true(f.effects[0].curved && f.effects[1].curved && f.interacts);
+}
+
 /* Without noise and with noise that carries a quarter of the variance: the indices are of the
  * parameters alone. (Ishigami and Homma 1990; a = 7, b = 0.1.) */
 static void test_indices_of_ishigami(void **state) {
@@ -291,6 +311,28 @@ static void assert_held(const tally *t) {
     print_message("%s: %.1f %% of %zu\n", t->what, 100 * share, t->all);
     if (!(fabs(share - 0.95) <= margin))
         fail_msg("%s: the truth is within %.1f %% of the 95 %% intervals", t->what, 100 * share);
+}
+
+/*
+ * Variances of the first order are right on average: the renders' noise, here 0.3 of each, is taken
+ * off. An effect, half of a difference, has the variance s² = 0.045, and what is not taken off
+ * would be 3 s²/5 = 0.027. One variance is known to 0.09, the root of 4 u² s²/5 + 2 · 3 s⁴/(5 · 4),
+ * the mean of all to 0.002; a variance below 0, which is counted as 0, is beyond 2.3 deviations and
+ * adds 0.0003.
+ */
+static void test_noise_is_no_variance(void **state) {
+    static const char *const kinds[] = {"normal(10,0.1)", "uniform(0,0.3)", "triangular(-1,0.2)"};
+    const double u2 = 0.09 + 0.12 + 0.01 / 6;
+    double mean = 0;
+    mcv_tolerances t;
+    (void)state;
+    read_well(kinds, 3, no_texts, &t);
+    for (uint32_t i = 0; i < CASES; ++i) {
+        const mcv_propagation p = {&t, 5, 0, false};
+        const mcv_propagated f = propagate(&p, linear, (noises){0.5, 0.3}, 9000 + i);
+        mean += f.linear.value * f.linear.value / CASES;
+    }
+    assert_near(mean, u2, 4 * 0.09 / sqrt(CASES) + 0.0003, "mean variance of the first order");
 }
 
 /* Noise as large as the parameters' own deviation in the trials, and as the smallest effect in the
@@ -379,11 +421,17 @@ static void test_failed_points(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_says_what_is_wrong),   cmocka_unit_test(test_distributions),
-        cmocka_unit_test(test_correlated_draws),     cmocka_unit_test(test_a_linear_metric),
-        cmocka_unit_test(test_a_product_is_flagged), cmocka_unit_test(test_a_square),
-        cmocka_unit_test(test_indices_of_ishigami),  cmocka_unit_test(test_coverage),
-        cmocka_unit_test(test_coverage_of_indices),  cmocka_unit_test(test_failed_points)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_says_what_is_wrong),
+                                       cmocka_unit_test(test_distributions),
+                                       cmocka_unit_test(test_correlated_draws),
+                                       cmocka_unit_test(test_a_linear_metric),
+                                       cmocka_unit_test(test_a_product_is_flagged),
+                                       cmocka_unit_test(test_a_square),
+                                       cmocka_unit_test(test_indices_of_ishigami),
+                                       cmocka_unit_test(test_coverage),
+                                       cmocka_unit_test(test_coverage_of_indices),
+                                       cmocka_unit_test(test_failed_points),
+                                       cmocka_unit_test(test_curvature_is_no_interaction),
+                                       cmocka_unit_test(test_noise_is_no_variance)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
