@@ -14,6 +14,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+enum { MOST_RECORD_BYTES = 1 << 26 };
+
 void mcv_transport_free(mcv_transport *transport) {
     if (!transport) return;
     mcv_matrix_free(&transport->matrix);
@@ -88,10 +90,12 @@ mcv_result mcv_rendering_matrix(mcv_session *session, const mcv_command *command
     mcv_render_stats stats = {.stage_count = 0};
     mcv_film film = {0};
     mcv_gather gather;
-    const mcv_record_sink sink = {.take = mcv_gather_add, .user = &gather};
     const uint32_t channels = mcv_scene_channels(scene);
     const size_t most =
         (size_t)(command->memory > 0 ? command->memory : (double)mcv_memory_default());
+    /* The records of a launch are on the device and here. */
+    const size_t of_records = most / 8 < MOST_RECORD_BYTES ? most / 8 : MOST_RECORD_BYTES;
+    const mcv_record_sink sink = {.bytes = of_records, .take = mcv_gather_add, .user = &gather};
     MCV_TRY(mcv_render_options_read(command, &options, error));
     MCV_TRY(mcv_scene_show_white(scene, command->elements == 1, channels, matrix, error));
     if (mcv_scene_channels(scene) != channels)
@@ -99,7 +103,8 @@ mcv_result mcv_rendering_matrix(mcv_session *session, const mcv_command *command
                         "%s: only the image of an emitter has colours: a matrix of it would be "
                         "grey; give --elements lamps, or a grey image",
                         scene->path);
-    MCV_TRY(mcv_gather_new(&gather, channels, options.replicates, brightest(scene), most, error));
+    MCV_TRY(mcv_gather_new(&gather, channels, options.replicates, brightest(scene),
+                           most - 2 * of_records, error));
     options.records = &sink;
     mcv_result result =
         mcv_rendering_run(r, session, command, scene, sensor, &options, &film, &stats, error);

@@ -18,6 +18,13 @@ static double bytes_for(const mcv_gather *g, size_t capacity) {
            (double)(2 * sizeof *g->slots + sizeof *g->keys + cells_of(g) * sizeof *g->sums);
 }
 
+/* Bytes of the matrix that is made from so many entries while they are still there: place, column,
+ * value and replicates of each channel (transport/matrix.c). */
+static double bytes_of_matrix(const mcv_gather *g, size_t capacity) {
+    return (double)capacity * g->channels *
+           (double)(sizeof(double) + 3 * sizeof(uint32_t) + g->replicates * sizeof(float));
+}
+
 static size_t slot_for(const mcv_gather *g, const uint32_t *slots, size_t capacity,
                        mcv_gather_key key) {
     uint64_t hash = ((uint64_t)key.pixel << 32 | key.element) * 0x9e3779b97f4a7c15u;
@@ -33,8 +40,9 @@ static size_t slot_for(const mcv_gather *g, const uint32_t *slots, size_t capaci
 /* Room for twice the entries. */
 static mcv_result grow(mcv_gather *g, mcv_error *error) {
     const size_t capacity = g->capacity > 0 ? 2 * g->capacity : FIRST_CAPACITY;
-    /* While the sums move, the old ones are there, too. */
-    if (bytes_for(g, capacity) + bytes_for(g, g->capacity) > (double)g->most_bytes)
+    /* While the sums move, the old ones are there, too; in the end the matrix is. */
+    if (bytes_for(g, capacity) + fmax(bytes_for(g, g->capacity), bytes_of_matrix(g, capacity)) >
+        (double)g->most_bytes)
         return mcv_fail(error, MCV_BAD_INPUT,
                         "the matrix has more than %zu entries, for which --memory %.3g GiB has no "
                         "room: give more, fewer pixels, or --elements lamps",

@@ -305,7 +305,7 @@ static void test_memory_is_bounded(void **state) {
     (void)state;
     make_records(records);
     for (int i = 0; i < RECORDS; ++i) records[i * WORDS + 1] = (uint32_t)i; /* elements */
-    WELL(mcv_gather_new(&gather, CHANNELS, REPLICATES, 1, (size_t)1 << 20, &error));
+    WELL(mcv_gather_new(&gather, CHANNELS, REPLICATES, 1, (size_t)2 << 20, &error));
     assert_int_equal(mcv_gather_add(&gather, records, RECORDS, &error), MCV_BAD_INPUT);
     if (!strstr(error.text, "--memory")) fail_msg("\"%s\" must name --memory", error.text);
     mcv_gather_free(&gather);

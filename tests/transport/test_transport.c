@@ -1,28 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Light transport matrices of scenes, by the public interface: closed forms, and images that are
  * relit against images that are rendered. */
-#include "../api/api.h"
+#include "transport.h"
 
 #include <math.h>
-
-static mcv_transport *transport_of(mcv_session *session, const mcv_rig *rig, const char *options) {
-    mcv_transport *transport = NULL;
-    WELL(mcv_session_transport(session, rig, options, NULL, NULL, &transport, NULL, &error));
-    return transport;
-}
-
-static mcv_matrix_entries entries_of(const mcv_transport *transport) {
-    mcv_matrix_entries e = {.size = sizeof e};
-    WELL(mcv_transport_entries(transport, &e, &error));
-    return e;
-}
-
-/* The planes of a picture's part. */
-static const float *planes_of(const mcv_picture *picture, uint32_t part) {
-    mcv_part p = {.size = sizeof p};
-    WELL(mcv_picture_part(picture, part, &p, &error));
-    return p.planes;
-}
 
 /* --- a telecentric projector that looks into a telecentric camera --- */
 
@@ -74,19 +55,10 @@ static void test_overlap_of_pixels(void **state) {
     const double most = 4 * (12 + 3) / 2.0 / 4096;
     double largest = 0, brightest = 0, wrong = 0;
     int partial = 0;
-    mcv_picture *picture = NULL;
     (void)state;
-    static float grey[ACROSS * DOWN];
-    for (int i = 0; i < ACROSS * DOWN; ++i) grey[i] = 100;
-    WELL(mcv_picture_make(ACROSS, DOWN, 1, grey, NULL, "{\"mcvisi:bits\": 8}", &picture, &error));
-    WELL(mcv_picture_write(picture, "transport-grey.png", "{\"preview\": true}", &error));
-    mcv_picture_free(picture);
+    write_grey(ACROSS, DOWN);
     mcv_session *session = open_session(NULL);
-    mcv_rig *rig = NULL;
-    FILE *file = fopen("transport-facing.gltf", "w");
-    fputs(facing_rig, file);
-    fclose(file);
-    WELL(mcv_rig_open("transport-facing.gltf", &rig, &error));
+    mcv_rig *rig = open_text("transport-facing.gltf", facing_rig);
     mcv_transport *transport = transport_of(session, rig, "{\"spp\": 16384}");
     const mcv_matrix_entries e = entries_of(transport);
     assert_int_equal(e.element_count, ACROSS * DOWN);
