@@ -26,9 +26,10 @@
 #define MCV_VERBS(X) \
     X(render, RENDER, "render", "SCENE", \
       "render every sensor of a scene into OpenEXR and PNG images") \
-    X(new, NEW, "new", "telecentric|entocentric|lightfield|transparent PART", \
+    X(new, NEW, "new", "telecentric|entocentric|lightfield|transparent|laser PART", \
       "write a rig around a part (.stl, .glb, .gltf): standard optics that frame it, and a light " \
-      "(transparent: a light field camera and a parallel panel behind the part)") \
+      "(transparent: a light field camera and a parallel panel behind the part; laser: a laser " \
+      "line, and a camera aside whose film is tilted)") \
     X(check, CHECK, "check", "[SCENE]", \
       "print how a scene was understood: optics, emitters, materials, features with their " \
       "causes, stages, findings") \

@@ -117,10 +117,23 @@ static void over(const mcv_rig_design *r, mcv_rig_light *light) {
     light->reach = light->distance + radius;
 }
 
+/*
+ * A laser line from where the camera would look. On the film its standard deviation is a pixel, and
+ * its waist stays within the part's depth; its fan is wider than the part.
+ */
+static void line(const mcv_rig_design *r, mcv_rig_light *light) {
+    const double on_film = 4 * r->pixel / (r->magnification * cos(MCV_RIG_ANGLE * (M_PI / 180))),
+                 waist = 2 * sqrt(MCV_RIG_WAVELENGTH * r->depth / (2 * M_PI));
+    light->distance = r->working_distance;
+    light->size[0] = mcv_rig_usual(fmax(on_film, waist), true);
+    light->half_angle = 180 / M_PI * atan(0.65 * r->across[0] / (light->distance - 0.5 * r->depth));
+}
+
 void mcv_rig_choose_light(mcv_rig_design *r) {
     const bool back =
         r->wishes.kind == MCV_RIG_TELECENTRIC || r->wishes.kind == MCV_RIG_TRANSPARENT;
     r->light = (mcv_rig_light){.type = r->wishes.light};
+    if (r->wishes.kind == MCV_RIG_LASER) r->light.type = MCV_RIG_LIGHT_LASER;
     if (r->light.type == MCV_RIG_LIGHT_AUTO)
         r->light.type = back ? MCV_RIG_LIGHT_BACKLIGHT : MCV_RIG_LIGHT_RING;
     switch (r->light.type) {
@@ -135,6 +148,9 @@ void mcv_rig_choose_light(mcv_rig_design *r) {
         break;
     case MCV_RIG_LIGHT_DOME:
         over(r, &r->light);
+        break;
+    case MCV_RIG_LIGHT_LASER:
+        line(r, &r->light);
         break;
     default:
         behind(r, &r->light);

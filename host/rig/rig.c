@@ -14,7 +14,8 @@ static const struct {
 } films[MCV_RIG_KIND_COUNT] = {{{1280, 1024}, 1, 4.8e-6},
                                {{1280, 1024}, 1, 4.8e-6},
                                {{160, 128}, 8, 4.8e-6},
-                               {{160, 120}, 9, 4e-6}};
+                               {{160, 120}, 9, 4e-6},
+                               {{1280, 256}, 1, 4.8e-6}};
 
 static const double margin = 1.15; /* field over part */
 
@@ -81,9 +82,10 @@ static mcv_result look(mcv_rig_design *r, mcv_error *error) {
     const double degrees = 180 / M_PI;
     r->azimuth = level > 0 ? degrees * atan2(to_camera[0], to_camera[2]) : 0;
     r->elevation = degrees * atan2(to_camera[1], level);
-    r->roll = extent[1] > extent[0] ? 90 : 0;
-    r->across[0] = fmax(extent[0], extent[1]);
-    r->across[1] = fmin(extent[0], extent[1]);
+    const bool turned = extent[1] > extent[0] && r->wishes.kind != MCV_RIG_LASER;
+    r->roll = turned ? 90 : 0;
+    r->across[0] = turned ? extent[1] : extent[0];
+    r->across[1] = turned ? extent[0] : extent[1];
     r->depth = extent[2];
     return MCV_OK;
 }
@@ -119,6 +121,7 @@ static double choose_f_number(const mcv_rig_design *r) {
     if (r->wishes.f_number > 0) return r->wishes.f_number;
     if (r->wishes.kind == MCV_RIG_LIGHT_FIELD) return 4;
     if (r->wishes.kind == MCV_RIG_TRANSPARENT) return 2.8;
+    if (r->wishes.kind == MCV_RIG_LASER) return 5.6; /* the plane of the light is in focus */
     for (int i = 0; i < COUNT; ++i)
         if (0.5 * r->depth * m * m / usual[i] <= r->pixel) return usual[i];
     return usual[COUNT - 1];
@@ -175,8 +178,11 @@ static void choose_entocentric(mcv_rig_design *r, double least) {
                                    50e-3, 75e-3, 100e-3, 150e-3, 200e-3, 300e-3};
     enum { LONGEST = sizeof usual / sizeof usual[0] };
     const int count = r->wishes.kind == MCV_RIG_TRANSPARENT || least > 0 ? LONGEST : LONGEST - 3;
-    const double needed[2] = {margin * r->across[0],
-                              margin * fmax(r->across[1], 1e-3 * r->across[0])};
+    /* A triangulation head sees heights in the image's other direction. */
+    const double other = r->wishes.kind == MCV_RIG_LASER
+                             ? r->depth * sin(MCV_RIG_ANGLE * (M_PI / 180))
+                             : r->across[1];
+    const double needed[2] = {margin * r->across[0], margin * fmax(other, 1e-3 * r->across[0])};
     const double scale = fmax(needed[0] / film_side(r, 0), needed[1] / film_side(r, 1)),
                  m = wished_magnification(r);
     double f = r->wishes.focal_length, distance = r->wishes.working_distance;
@@ -216,6 +222,11 @@ static mcv_result check_wishes(const mcv_rig_design *r, mcv_error *error) {
         return mcv_fail(error, MCV_USAGE,
                         "focal length, working distance and magnification depend on each other: "
                         "give two of them");
+    if (w->kind == MCV_RIG_LASER && w->light != MCV_RIG_LIGHT_AUTO)
+        return mcv_fail(error, MCV_USAGE,
+                        "--light %s: a triangulation head has its laser: leave it out, or choose "
+                        "another kind of rig",
+                        mcv_rig_lights[w->light]);
     if (w->kind == MCV_RIG_TRANSPARENT && w->light != MCV_RIG_LIGHT_AUTO &&
         w->light != MCV_RIG_LIGHT_BACKLIGHT)
         return mcv_fail(

@@ -8,18 +8,25 @@
 
 #include "core/error.h"
 
-/* X(NAME, "word"): kinds of camera. The last one is the report's experiment (section 5): light
- * field camera and parallel panel. */
+/* X(NAME, "word"): kinds of rigs. TRANSPARENT is the report's experiment (section 5): light field
+ * camera and parallel panel. LASER is a triangulation head: a laser line along the view, and a thin
+ * lens camera MCV_RIG_ANGLE aside, with a tilted film. */
 #define MCV_RIG_KINDS(X) \
     X(TELECENTRIC, "telecentric") \
-    X(ENTOCENTRIC, "entocentric") X(LIGHT_FIELD, "lightfield") X(TRANSPARENT, "transparent")
+    X(ENTOCENTRIC, "entocentric") \
+    X(LIGHT_FIELD, "lightfield") X(TRANSPARENT, "transparent") X(LASER, "laser")
+
+/* Angle between camera and laser of a triangulation head [degrees]. */
+#define MCV_RIG_ANGLE 30
+#define MCV_RIG_WAVELENGTH 660e-9 /* of its laser [m] */
 
 /* Kinds of light. The first one is the camera's default: a ring, or a light behind the part for
- * telecentric and transparent. */
+ * telecentric and transparent. The last one is that of a triangulation head alone. */
 #define MCV_RIG_LIGHTS(X) \
     X(AUTO, "auto") \
     X(BACKLIGHT, "backlight") \
-    X(RING, "ring") X(DARK_FIELD, "darkfield") X(COAXIAL, "coaxial") X(DOME, "dome")
+    X(RING, "ring") \
+    X(DARK_FIELD, "darkfield") X(COAXIAL, "coaxial") X(DOME, "dome") X(LASER, "laser")
 
 enum {
 #define MCV_X(NAME, word) MCV_RIG_##NAME,
@@ -49,10 +56,10 @@ typedef struct mcv_rig_wishes {
 
 /* The light before or behind the part. Fields that its kind does not have are 0. */
 typedef struct mcv_rig_light {
-    int type;        /* MCV_RIG_LIGHT_…, not AUTO */
-    double distance; /* from the part's middle towards the camera; of a backlight away from it */
-    double size[2];
-    double half_angle;   /* [degrees] */
+    int type;          /* MCV_RIG_LIGHT_…, not AUTO */
+    double distance;   /* from the part's middle towards the camera; of a backlight away from it */
+    double size[2];    /* of a laser: the line's thickness */
+    double half_angle; /* of a laser: of its fan [degrees] */
     double inner, outer; /* diameters */
     double tilt;         /* [degrees] */
     double reach;        /* extent towards the camera */
@@ -66,7 +73,7 @@ typedef struct mcv_rig_design {
     uint32_t triangles;
     double centre[3], across[2],
         depth; /* of the part, as the camera sees it: the longer side is horizontal */
-    double azimuth, elevation, roll; /* of the camera [degrees] */
+    double azimuth, elevation, roll; /* of the camera, or of the laser [degrees] */
     uint32_t pixels[2], directions;  /* of the film; of a macro pixel, 1 without */
     double pixel;
     double magnification, focal_length, working_distance, f_number, field[2];

@@ -47,6 +47,14 @@ static int lens_digits(const mcv_rig_design *r) {
                : CHOSEN;
 }
 
+/* The node and the emitter. */
+static const char *light_name(const mcv_rig_design *r) {
+    return r->wishes.kind == MCV_RIG_LASER ? "laser" : "light";
+}
+
+/* Does the camera of a triangulation head look from below its laser? */
+static bool is_below(const mcv_rig_design *r) { return r->elevation > 0; }
+
 static void print_sensor(FILE *out, const mcv_rig_design *r) {
     const mcv_rig_wishes *w = &r->wishes;
     const int digits = lens_digits(r);
@@ -72,14 +80,28 @@ static void print_sensor(FILE *out, const mcv_rig_design *r) {
     else
         fprintf(out, "\"fNumber\": %g,\n         \"resolution\": [%u, %u], ", r->f_number,
                 r->pixels[0], r->pixels[1]);
+    /* The plane of the light in focus: it goes through the axis, 90° - θ aside from the plane that
+     * an upright film sees, and tan τ = m tan(90° - θ). */
+    if (w->kind == MCV_RIG_LASER)
+        fprintf(out, "\"tilt\": \"%.6gdeg\", \"tiltDirection\": \"%ddeg\", ",
+                180 / M_PI * atan(r->magnification / tan(MCV_RIG_ANGLE * (M_PI / 180))),
+                is_below(r) ? 180 : 0);
     fprintf(out, "\"pixelSize\": \"%s\", \"radiometry\": \"irradiance\"}",
             mcv_rig_length(r->pixel, w->pixel_size > 0 ? GIVEN : CHOSEN));
 }
 
 static void print_emitter(FILE *out, const mcv_rig_design *r) {
     const mcv_rig_light *light = &r->light;
-    fprintf(out, "{\"name\": \"light\", ");
+    fprintf(out, "{\"name\": \"%s\", ", light_name(r));
     switch (light->type) {
+    case MCV_RIG_LIGHT_LASER:
+        fprintf(out,
+                "\"type\": \"laser\", \"wavelength\": \"%s\", \"power\": 0.02,\n         "
+                "\"lineThickness\": \"%s\", \"widthMeasure\": \"1/e2\", \"workingDistance\": "
+                "\"%s\", \"fanAngle\": \"%.4gdeg\"}",
+                length(MCV_RIG_WAVELENGTH), length(light->size[0]), length(light->distance),
+                2 * light->half_angle);
+        return;
     case MCV_RIG_LIGHT_BACKLIGHT:
         fprintf(out, "\"type\": \"%s\", \"size\": [\"%s\", \"%s\"], ",
                 light->half_angle > 0 ? "parallel" : "area", length(light->size[0]),
@@ -137,6 +159,7 @@ static void print_note(FILE *out, const mcv_rig_design *r) {
         fprintf(out, "A telecentric camera sees the part");
         break;
     case MCV_RIG_ENTOCENTRIC:
+    case MCV_RIG_LASER:
         fprintf(out, "A camera with a thin lens sees the part");
         break;
     default:
@@ -145,7 +168,12 @@ static void print_note(FILE *out, const mcv_rig_design *r) {
                 r->directions, r->directions);
         break;
     }
-    if (r->wishes.kind == MCV_RIG_TRANSPARENT)
+    if (r->wishes.kind == MCV_RIG_LASER)
+        fprintf(out,
+                " from %d degrees aside of a laser line, whose plane is in focus: see `mcvisi "
+                "triangulate`. ",
+                MCV_RIG_ANGLE);
+    else if (r->wishes.kind == MCV_RIG_TRANSPARENT)
         fprintf(out, " before a parallel panel: what deflects light shows in `mcvisi lightfield "
                      "emd-gradient`. ");
     else if (r->wishes.kind == MCV_RIG_TELECENTRIC && r->light.type == MCV_RIG_LIGHT_BACKLIGHT)
@@ -212,10 +240,13 @@ static void print_rig(FILE *out, const mcv_rig_design *r, const char *uri) {
                  "light.\"}},\n");
     fprintf(out,
             "    {\"name\": \"camera\", \"extensions\": {\"MCVISI_sensors\": {\"sensor\": 0}, ");
-    print_pose(out, r->working_distance, lens_digits(r), r->azimuth, r->elevation, r->roll);
-    fprintf(
-        out,
-        "}},\n    {\"name\": \"light\", \"extensions\": {\"MCVISI_emitters\": {\"emitter\": 0}, ");
+    const double aside = r->wishes.kind != MCV_RIG_LASER ? 0
+                         : is_below(r)                   ? -MCV_RIG_ANGLE
+                                                         : MCV_RIG_ANGLE;
+    print_pose(out, r->working_distance, lens_digits(r), r->azimuth, r->elevation + aside, r->roll);
+    fprintf(out,
+            "}},\n    {\"name\": \"%s\", \"extensions\": {\"MCVISI_emitters\": {\"emitter\": 0}, ",
+            light_name(r));
     print_pose(out, r->light.distance, CHOSEN,
                back && fabs(r->elevation) < 90 ? r->azimuth - 180 : r->azimuth,
                back ? -r->elevation : r->elevation, r->roll);

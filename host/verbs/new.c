@@ -32,8 +32,8 @@ static mcv_result read_wishes(const mcv_command *command, mcv_rig_wishes *wishes
         if (strcmp(command->argument, mcv_rig_kinds[i]) == 0) wishes->kind = i;
     if (wishes->kind < 0)
         return mcv_fail(error, MCV_USAGE,
-                        "new %s: must be `new telecentric`, `new entocentric`, `new lightfield` or "
-                        "`new transparent`, and then the part",
+                        "new %s: must be `new telecentric`, `new entocentric`, `new lightfield`, "
+                        "`new transparent` or `new laser`, and then the part",
                         command->argument);
     MCV_TRY(read_length("pixel-size", command->pixel_size, &wishes->pixel_size, error));
     MCV_TRY(read_length("focal-length", command->focal_length, &wishes->focal_length, error));
@@ -54,6 +54,7 @@ void mcv_new_warn(const mcv_rig_design *r, mcv_report *report) {
     char text[512];
     for (int i = 0; i < 2; ++i) {
         if (r->across[i] <= r->field[i] * (1 + 1e-9)) continue;
+        if (i == 1 && r->wishes.kind == MCV_RIG_LASER) continue; /* it is scanned that way */
         snprintf(text, sizeof text,
                  "the part, %s x %s, is larger than the field of view, %s x %s, %s",
                  length(r->across[0]), length(r->across[1]), length(r->field[0]),
@@ -68,7 +69,9 @@ void mcv_new_warn(const mcv_rig_design *r, mcv_report *report) {
 
 static void print_light(FILE *out, const mcv_rig_light *light) {
     fprintf(out, "  light           %s, ", mcv_rig_lights[light->type]);
-    if (light->type == MCV_RIG_LIGHT_BACKLIGHT || light->type == MCV_RIG_LIGHT_COAXIAL)
+    if (light->type == MCV_RIG_LIGHT_LASER)
+        fprintf(out, "line %s thick, ", length(light->size[0]));
+    else if (light->type == MCV_RIG_LIGHT_BACKLIGHT || light->type == MCV_RIG_LIGHT_COAXIAL)
         fprintf(out, "%s x %s, ", length(light->size[0]), length(light->size[1]));
     else
         fprintf(out, "inner diameter %s, outer diameter %s, ", length(light->inner),
@@ -112,7 +115,9 @@ void mcv_new_report(const mcv_rig_design *r, const char *path, mcv_report *repor
     mcv_report_open(report, "light");
     mcv_report_text(report, "type", mcv_rig_lights[light->type]);
     mcv_report_number(report, "distance", "m", light->distance);
-    if (light->inner > 0 || light->outer > 0) {
+    if (light->type == MCV_RIG_LIGHT_LASER) {
+        mcv_report_number(report, "line_thickness", "m", light->size[0]);
+    } else if (light->inner > 0 || light->outer > 0) {
         mcv_report_number(report, "inner_diameter", "m", light->inner);
         mcv_report_number(report, "outer_diameter", "m", light->outer);
     } else {

@@ -14,7 +14,7 @@ static const char scene[] =
     "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0,1,2]}],"
     "\"extensions\":{\"MCVISI_sensors\":{\"sensors\":[{\"name\":\"camera\",\"type\":\"thinLens\","
     "\"focalLength\":\"25mm\",\"focusDistance\":\"250mm\",\"fNumber\":8,\"resolution\":[48,48],"
-    "\"pixelSize\":\"5um\",\"tilt\":\"10.893deg\",\"tiltDirection\":\"90deg\","
+    "\"pixelSize\":\"5um\",\"tilt\":\"10.893deg\",\"tiltDirection\":\"180deg\","
     "\"radiometry\":\"irradiance\"}]},"
     "\"MCVISI_emitters\":{\"emitters\":[{\"name\":\"laser\",\"type\":\"laser\",\"wavelength\":"
     "\"660nm\",\"power\":0.02,\"lineThickness\":\"200um\",\"widthMeasure\":\"1/e2\","
@@ -46,20 +46,24 @@ static int make_images(void **state) {
     return 0;
 }
 
-/* The mean of a part of a range image's row. */
+/* The mean of what is seen in a part of a range image's row. */
 static double row_mean(const char *path, const char *part, uint32_t row) {
     mcv_exr exr;
     mcv_error error;
-    double sum = 0;
+    double sum = 0, count = 0;
     if (mcv_exr_read(path, &exr, &error) != MCV_OK) fail_msg("%s", error.text);
     uint32_t number = 0;
     while (number < exr.part_count && strcmp(exr.parts[number].name, part) != 0) ++number;
     assert_true(number < exr.part_count);
     const mcv_image *image = &exr.parts[number].image;
-    for (uint32_t i = 0; i < image->width; ++i)
-        sum += (double)image->pixels[row * image->width + i] / image->width;
+    for (uint32_t i = 0; i < image->width; ++i) {
+        const double value = (double)image->pixels[row * image->width + i];
+        if (isnan(value)) continue;
+        sum += value;
+        ++count;
+    }
     mcv_exr_free(&exr);
-    return sum;
+    return sum / count;
 }
 
 /*
@@ -127,6 +131,60 @@ static void test_speckle(void **state) {
     json_decref(speckled);
 }
 
+/*
+ * The rig of `new laser`: its line is on a box's top, 12 mm above the origin, whichever side it is
+ * seen from, and in focus: at f/1.4 the line of a top that is 2 mm lower is as thin as that of the
+ * film's own plane, to a tenth. The line's standard deviation is a pixel, by the rig; the film's
+ * 64 pixels make a pixel 1 mm of height, of which 0.05 are allowed.
+ */
+static void test_rig(void **state) {
+    (void)state;
+    static const struct {
+        const char *view;
+        int axis;
+        double top;
+    } cases[] = {{"front", 2, 12e-3}, {"top", 1, 8e-3}, {"back", 2, 0}};
+    const double lower[3] = {-15, -8, 0}, upper[3] = {15, 8, 12};
+    write_box_stl("box.stl", lower, upper);
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        static const char *const coordinates[] = {"x", "y", "image"};
+        char line[256];
+        double sigmas[2];
+        snprintf(line, sizeof line,
+                 "new laser box.stl --unit mm --resolution 64x48 --f-number 1.4 --view %s --force "
+                 "-o rig.gltf",
+                 cases[i].view);
+        program_well(line);
+        json_t *checked = program_json("check rig.gltf --json");
+        if (json_array_size(json_object_get(checked, "warnings"))) fail_msg("%s", said);
+        json_decref(checked);
+        for (int lower_by = 0; lower_by < 2; ++lower_by) {
+            /* Away from the laser. */
+            const double shift = lower_by * (i == 2 ? 2e-3 : -2e-3);
+            snprintf(line, sizeof line,
+                     "render rig.gltf --spp 64 --device reference -o rig.exr "
+                     "--set 'nodes/part/translation=[0,%g,%g]'",
+                     cases[i].axis == 1 ? shift : 0, cases[i].axis == 2 ? shift : 0);
+            program_well(line);
+            program_well("camera rig.exr --expose-to 0.5 --wavelength 660nm --noise-free -o r.exr");
+            json_t *told = program_json("triangulate r.exr --laser laser --frame part -o r.csv -o "
+                                        "range.exr --json");
+            sigmas[lower_by] = number_at(told, "line_sigma");
+            /* The field is wider than the part. */
+            assert_true(number_at(told, "seen") >= 48 && number_at(told, "seen") <= 60);
+            json_decref(told);
+            const double seen = row_mean("range.exr", coordinates[cases[i].axis], 0);
+            if (!(fabs(seen - cases[i].top) <= 5e-5))
+                fail_msg("%s: the top is at %g m", cases[i].view, seen);
+        }
+        print_message("%s: sigma %.3f, lower %.3f pixels\n", cases[i].view, sigmas[0], sigmas[1]);
+        if (!(fabs(sigmas[1] / sigmas[0] - 1) <= 0.1))
+            fail_msg("%s: sigma %g, lower %g pixels", cases[i].view, sigmas[0], sigmas[1]);
+    }
+    program_fails("new laser box.stl --unit mm --light ring -o rig.gltf", 2,
+                  "a triangulation head has its laser: leave it out");
+}
+
 static void test_bad_input(void **state) {
     (void)state;
     program_fails("triangulate 0.exr 1.exr --laser laser", 2, "give --feed D, or --frame NODE");
@@ -148,9 +206,8 @@ static void test_bad_input(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_heights),
-        cmocka_unit_test(test_places),
-        cmocka_unit_test(test_speckle),
+        cmocka_unit_test(test_heights),   cmocka_unit_test(test_places),
+        cmocka_unit_test(test_speckle),   cmocka_unit_test(test_rig),
         cmocka_unit_test(test_bad_input),
     };
     return cmocka_run_group_tests(tests, make_images, leave_folder);

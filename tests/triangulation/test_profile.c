@@ -26,7 +26,7 @@ static mcv_camera_model model_of(uint32_t type) {
         p->focusDistance = distance;
         p->fNumber = 8;
         p->tilt = atan(magnification / tan(angle));
-        p->tiltDirection = M_PI / 2;
+        p->tiltDirection = M_PI;
         p->resolution[0] = WIDTH, p->resolution[1] = HEIGHT;
         p->pixelSize[0] = p->pixelSize[1] = pixel;
     } else {
@@ -106,7 +106,7 @@ static void test_heights(void **state) {
             for (int i = 0; i < WIDTH; ++i) {
                 assert_int_equal(points[i].line.state, MCV_LINE_SEEN);
                 const double x = points[i].at[0], step = fmod(fabs(x) + 0.5e-3, 1e-3) - 0.5e-3;
-                if (shape == 2 && fabs(step) < 1e-7) continue; /* on the edge of a step */
+                if (shape == 2 && fabs(step) < 5e-6) continue; /* a column that a step leaves out */
                 largest = fmax(largest, fabs(points[i].at[2] + 0.2 - shapes[shape](x)));
                 furthest = fmax(furthest, fabs(points[i].at[1]));
             }
