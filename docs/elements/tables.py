@@ -82,6 +82,8 @@ def kind(part):
         return "name or index"
     if one["type"] == "array":
         items = one["items"]
+        if items.get("type") == "array":
+            return "up to %d rows of numbers: 0 … 1" % one["maxItems"]
         return "list" if "properties" in items else \
             "%s%d %ss" % ("" if "minItems" in one else "up to ", one["maxItems"], kind(items))
     count = part["anyOf"][1]["maxItems"] if "anyOf" in part else 1

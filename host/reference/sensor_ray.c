@@ -77,6 +77,14 @@ static bool is_square(uint32_t p, uint32_t i) {
     return power == 1;
 }
 
+/* What a cell of a mask passes; y goes up and rows go down. */
+static double of_mask(const mcv_mask *mask, double x, double y) {
+    const double side = mask->side;
+    const uint32_t i = (uint32_t)fmin(floor((x + 1) / 2 * side), side - 1),
+                   j = (uint32_t)fmin(floor((1 - y) / 2 * side), side - 1);
+    return (double)mask->values[j * mask->side + i];
+}
+
 /* Whether the aperture is open at a place of the disc, in its radii. */
 static bool is_open(const mcv_aperture_shape *s, double x, double y) {
     const double r = hypot(x, y), sector = 2 * M_PI / s->blades,
@@ -96,7 +104,9 @@ static double aperture_weight(const mcv_sensor *sensor, int radiometry, point on
     const mcv_aperture_shape s = mcv_sensor_aperture(sensor);
     if (s.shape == MCV_APERTURE_DISC) return 1;
     if (!is_open(&s, on.x / radius, on.y / radius)) return 0;
-    return radiometry == MCV_RADIOMETRY_IRRADIANCE ? 1 : 1 / mcv_aperture_open(&s);
+    const double share =
+        s.shape == MCV_APERTURE_MASK ? of_mask(s.mask, on.x / radius, on.y / radius) : 1;
+    return radiometry == MCV_RADIOMETRY_IRRADIANCE ? share : share / mcv_aperture_open(&s);
 }
 
 /*

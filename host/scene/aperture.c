@@ -37,6 +37,46 @@ bool mcv_code_is_open(uint32_t order, uint32_t i, uint32_t j) {
 /* Half the side of the square of the code: it lies in the disc. */
 static const double inscribed = M_SQRT1_2;
 
+/* Area of the unit disc within 0 … x and 0 … y, negative where one of both is. */
+static double quarter(double x, double y) {
+    const double a = fmin(fabs(x), 1), b = fmin(fabs(y), 1), sign = x * y < 0 ? -1 : 1;
+    if (a * a + b * b <= 1) return sign * a * b;
+    /* Under the rim from √(1 - b²) to a. */
+    const double c = sqrt(1 - b * b);
+    return sign *
+           (b * c + 0.5 * (a * sqrt(1 - a * a) + asin(a)) - 0.5 * (c * sqrt(1 - c * c) + asin(c)));
+}
+
+/* What cell (i, j) of a mask passes, by its area in the disc. */
+static double passes(const mcv_mask *mask, uint32_t i, uint32_t j) {
+    const double cell = 2.0 / mask->side, x = i * cell - 1, y = 1 - j * cell;
+    return (double)mask->values[j * mask->side + i] *
+           (quarter(x + cell, y) - quarter(x, y) - quarter(x + cell, y - cell) +
+            quarter(x, y - cell));
+}
+
+static double mask_open(const mcv_mask *mask) {
+    double sum = 0;
+    for (uint32_t cell = 0; mask && cell < mask->side * mask->side; ++cell)
+        sum += passes(mask, cell % mask->side, cell / mask->side);
+    return sum / M_PI;
+}
+
+/* The shares of the cells' light, whether it lies in the disc or not. */
+static void prepare_mask(const mcv_mask *mask, mcv_aperture *device) {
+    const uint32_t cells = mask->side * mask->side;
+    double all = 0, passed = 0;
+    for (uint32_t cell = 0; cell < cells; ++cell) all += (double)mask->values[cell];
+    for (uint32_t cell = 0; cell < cells; ++cell) {
+        device->share[cell] = (float)(passed / all);
+        passed += (double)mask->values[cell];
+    }
+    device->share[cells] = 1;
+    device->count = mask->side;
+    device->extent = 1;
+    device->weight *= (float)(all * 4 / cells / (M_PI * (double)device->open));
+}
+
 double mcv_aperture_open(const mcv_aperture_shape *s) {
     const double n = s->blades, p = s->order, cell = 2 * inscribed / p;
     switch (s->shape) {
@@ -48,6 +88,8 @@ double mcv_aperture_open(const mcv_aperture_shape *s) {
         return n * sin(2 * M_PI / n) / (2 * M_PI);
     case MCV_APERTURE_CODED:
         return (p * p - 1) / 2 * cell * cell / M_PI;
+    case MCV_APERTURE_MASK:
+        return mask_open(s->mask);
     default:
         return 1;
     }
@@ -63,6 +105,8 @@ bool mcv_aperture_is_valid(const mcv_aperture_shape *s) {
         return isfinite(s->rotation) && s->blades >= 3;
     case MCV_APERTURE_CODED:
         return s->order >= 3 && s->order < MCV_MASK_SIDE && is_prime(s->order);
+    case MCV_APERTURE_MASK:
+        return s->mask && mask_open(s->mask) > 0;
     default:
         return true;
     }
@@ -98,6 +142,7 @@ void mcv_aperture_prepare(const mcv_aperture_shape *s, bool irradiance, mcv_aper
         .open = (float)open,
         .weight = (float)(irradiance ? open : 1),
     };
+    if (s->shape == MCV_APERTURE_MASK) prepare_mask(s->mask, device);
     if (s->shape != MCV_APERTURE_CODED) return;
     const uint32_t p = s->order;
     uint32_t passed = 0;
@@ -119,7 +164,8 @@ static const struct {
 } keys[] = {{"apertureRatio", {MCV_APERTURE_RING, MCV_APERTURE_RING}, 0.5},
             {"apertureRotation", {MCV_APERTURE_HALF, MCV_APERTURE_BLADES}, 0},
             {"apertureBlades", {MCV_APERTURE_BLADES, MCV_APERTURE_BLADES}, 6},
-            {"apertureOrder", {MCV_APERTURE_CODED, MCV_APERTURE_CODED}, 13}};
+            {"apertureOrder", {MCV_APERTURE_CODED, MCV_APERTURE_CODED}, 13},
+            {"apertureMask", {MCV_APERTURE_MASK, MCV_APERTURE_MASK}, 0}};
 
 mcv_result mcv_sensor_resolve_aperture(mcv_sensor *sensor, const mcv_json_path *place,
                                        mcv_error *error) {
@@ -142,7 +188,12 @@ mcv_result mcv_sensor_resolve_aperture(mcv_sensor *sensor, const mcv_json_path *
             *(double *)field = keys[i].usual;
     }
     const mcv_aperture_shape resolved = mcv_sensor_aperture(sensor);
-    const mcv_json_path order = mcv_json_path_key(place, "apertureOrder");
+    const mcv_json_path order = mcv_json_path_key(place, "apertureOrder"),
+                        mask = mcv_json_path_key(place, "apertureMask");
+    if (shape == MCV_APERTURE_MASK && resolved.mask->side == 0)
+        return mcv_fail_at(&mask, error, "is missing: rows of numbers from 0 to 1");
+    if (shape == MCV_APERTURE_MASK && !mcv_aperture_is_valid(&resolved))
+        return mcv_fail_at(&mask, error, "lets no light through the disc");
     if (shape == MCV_APERTURE_CODED && !is_prime(resolved.order))
         return mcv_fail_at(&order, error, "%u must be a prime, such as 11, 13 or 17",
                            resolved.order);

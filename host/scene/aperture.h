@@ -11,6 +11,7 @@ typedef struct mcv_aperture_shape {
     int shape; /* MCV_APERTURE_… */
     double ratio, rotation;
     uint32_t blades, order;
+    const mcv_mask *mask; /* of the sensor; NULL: none */
 } mcv_aperture_shape;
 
 /* Of a sensor; a disc where it has no such parameters. */
@@ -39,6 +40,6 @@ void mcv_aperture_prepare(const mcv_aperture_shape *shape, bool irradiance, mcv_
 
 #define MCV_APERTURE_SHAPE_OF(p) \
     ((mcv_aperture_shape){(p)->aperture, (p)->apertureRatio, (p)->apertureRotation, \
-                          (p)->apertureBlades, (p)->apertureOrder})
+                          (p)->apertureBlades, (p)->apertureOrder, &(p)->apertureMask})
 
 #endif

@@ -73,7 +73,8 @@ size_t mcv_param_components(mcv_param_kind kind) {
 }
 
 bool mcv_param_integral(mcv_param_kind kind) {
-    return kind == MCV_PARAM_integer || kind == MCV_PARAM_int2 || kind == MCV_PARAM_int4;
+    return kind == MCV_PARAM_integer || kind == MCV_PARAM_int2 || kind == MCV_PARAM_int4 ||
+           kind == MCV_PARAM_mask;
 }
 
 /* Is its unset value MCV_NONE? */
@@ -115,7 +116,8 @@ void mcv_params_set_defaults(mcv_param_table table, void *params) {
         const bool given =
             param->default_value != MCV_REQUIRED && param->default_value != MCV_UNSET;
         const bool number = param->kind == MCV_PARAM_int4 || numbered(param->kind);
-        const bool counts = param->kind == MCV_PARAM_integer || param->kind == MCV_PARAM_int2;
+        const bool counts = param->kind == MCV_PARAM_integer || param->kind == MCV_PARAM_int2 ||
+                            param->kind == MCV_PARAM_mask;
         const double unset = counts ? 0 : number ? MCV_NONE : (double)NAN;
         const double value = given ? param->default_value : unset;
         for (size_t j = 0; j < mcv_param_components(param->kind); ++j) set(param, params, j, value);
@@ -124,7 +126,9 @@ void mcv_params_set_defaults(mcv_param_table table, void *params) {
 
 bool mcv_param_unset(const mcv_param *param, const void *params) {
     const double first = get(param, params, 0);
-    if (param->kind == MCV_PARAM_integer || param->kind == MCV_PARAM_int2) return first == 0;
+    if (param->kind == MCV_PARAM_integer || param->kind == MCV_PARAM_int2 ||
+        param->kind == MCV_PARAM_mask)
+        return first == 0;
     if (param->kind == MCV_PARAM_int4 || numbered(param->kind)) return first == MCV_NONE;
     return param->kind != MCV_PARAM_choice && param->kind != MCV_PARAM_flag && isnan(first);
 }
@@ -248,6 +252,32 @@ static mcv_result parse_image(const mcv_param *param, const json_t *value, void 
     return MCV_OK;
 }
 
+static mcv_result parse_mask(const json_t *rows, mcv_mask *mask, const mcv_json_path *place,
+                             mcv_error *error) {
+    const size_t side = json_array_size(rows);
+    if (side < 1 || side > MCV_MASK_SIDE)
+        return mcv_fail_at(place, error,
+                           "must be an array of 1 to %d rows, each of as many numbers from 0 to 1",
+                           MCV_MASK_SIDE);
+    for (size_t j = 0; j < side; ++j) {
+        const json_t *row = json_array_get(rows, j);
+        const mcv_json_path here = mcv_place_index(place, j);
+        if (json_array_size(row) != side)
+            return mcv_fail_at(&here, error, "has %zu numbers, but must have %zu, as many as rows",
+                               json_array_size(row), side);
+        for (size_t i = 0; i < side; ++i) {
+            const mcv_json_path element = mcv_place_index(&here, i);
+            const json_t *value = json_array_get(row, i);
+            const double number = json_number_value(value);
+            if (!json_is_number(value) || !(number >= 0 && number <= 1))
+                return mcv_fail_at(&element, error, "must be a number from 0 to 1");
+            mask->values[j * side + i] = (float)number;
+        }
+    }
+    mask->side = (uint32_t)side;
+    return MCV_OK;
+}
+
 static mcv_result parse_flag(const mcv_param *param, const json_t *value, void *params,
                              const mcv_json_path *place, mcv_error *error) {
     if (!json_is_boolean(value)) return mcv_fail_at(place, error, "must be true or false");
@@ -260,6 +290,9 @@ static mcv_result parse_value(const mcv_param *param, const json_t *value, void 
     if (param->kind == MCV_PARAM_choice) return parse_choice(param, value, params, place, error);
     if (param->kind == MCV_PARAM_image) return parse_image(param, value, params, place, error);
     if (param->kind == MCV_PARAM_flag) return parse_flag(param, value, params, place, error);
+    if (param->kind == MCV_PARAM_mask)
+        return parse_mask(value, (mcv_mask *)(void *)((char *)params + param->offset), place,
+                          error);
     if (param->kind == MCV_PARAM_pattern)
         return mcv_pattern_parse(value, (mcv_pattern *)(void *)((char *)params + param->offset),
                                  place, error);

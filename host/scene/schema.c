@@ -65,6 +65,13 @@ static json_t *param_schema(const mcv_param *param) {
                                       "properties", "uri", "type", "string", "required", "uri"));
         return schema;
     }
+    if (param->kind == MCV_PARAM_mask) {
+        json_object_update_new(schema, json_pack("{s:s, s:i, s:i, s:{s:s, s:{s:s, s:i, s:i}}}",
+                                                 "type", "array", "minItems", 1, "maxItems",
+                                                 MCV_MASK_SIDE, "items", "type", "array", "items",
+                                                 "type", "number", "minimum", 0, "maximum", 1));
+        return schema;
+    }
     if (param->kind == MCV_PARAM_pattern) {
         json_object_set_new(schema, "oneOf", pattern_schema());
         return schema;

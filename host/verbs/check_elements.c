@@ -55,6 +55,13 @@ void mcv_check_report_parameters(mcv_report *report, mcv_param_table table, cons
         case MCV_PARAM_image:
         case MCV_PARAM_pattern: /* of emitters only, which report_emitter describes */
             break;
+        case MCV_PARAM_mask: {
+            char cells[32];
+            const unsigned side = *(const uint32_t *)field;
+            snprintf(cells, sizeof cells, "%u x %u", side, side);
+            if (side > 0) mcv_report_text(report, p->key, cells);
+            break;
+        }
         case MCV_PARAM_choice:
             mcv_report_text(report, p->key, mcv_param_options(p->key)[*(const int *)field]);
             break;

@@ -6,7 +6,7 @@
  *
  * The list generates the struct that the host works with (SI, double), the parser, --set, `mcvisi
  * check`, the help and the JSON schema. Its kinds are length, angle, number, integer, int2, int4,
- * length2, number2, spectrum, choice, flag, image and pattern.
+ * length2, number2, spectrum, choice, flag, image, pattern and mask.
  *
  * Both ends of [min, max] are allowed; MCV_POSITIVE as min means "above 0". A default of
  * MCV_REQUIRED means that the key must be given. A default of MCV_UNSET is NaN (0 for integer and
@@ -16,7 +16,8 @@
  * A choice has the name of an option as default; min and max are the first and the last index that
  * the element has. Its options stand in MCV_CHOICES below. A flag is true or false, 1 or 0. An
  * image is the index or the name of one of the file's images, or {"uri": FILE.exr}; the loader
- * replaces it by the index of a texture. A pattern is an object (mcvisi/pattern.h).
+ * replaces it by the index of a texture. A pattern is an object (mcvisi/pattern.h). A mask is a
+ * square array of rows, the upper one first, of numbers from 0 to 1.
  */
 #ifndef MCVISI_PARAMS_H
 #define MCVISI_PARAMS_H
@@ -31,8 +32,11 @@ enum {
     MCV_APERTURE_RING,
     MCV_APERTURE_HALF,
     MCV_APERTURE_BLADES,
-    MCV_APERTURE_CODED
+    MCV_APERTURE_CODED,
+    MCV_APERTURE_MASK
 };
+
+#define MCV_MASK_SIDE 32 /* cells of a side at most */
 
 #if !MCV_ON_DEVICE
 
@@ -58,6 +62,7 @@ enum {
 #define MCV_FIELD_flag(key) int key;
 #define MCV_FIELD_image(key) uint32_t key; /* index into the scene's textures */
 #define MCV_FIELD_pattern(key) mcv_pattern key;
+#define MCV_FIELD_mask(key) mcv_mask key;
 
 #define MCV_DEFINE_FIELD(kind, key, default_value, min, max, doc) MCV_FIELD_##kind(key)
 
@@ -65,7 +70,7 @@ enum {
 #define MCV_CHOICES(X) \
     X(radiometry, "radiance", "irradiance") \
     X(falloff, "objectSide", "imageSide") \
-    X(aperture, "square", "circle", "disc", "ring", "half", "blades", "coded") \
+    X(aperture, "square", "circle", "disc", "ring", "half", "blades", "coded", "mask") \
     X(orientation, "vertical", "horizontal") \
     X(shutter, "global", "rolling", "line") \
     X(shape, "gaussian", "cosine") \
@@ -95,6 +100,7 @@ typedef enum mcv_param_kind {
     MCV_PARAM_flag,
     MCV_PARAM_image,
     MCV_PARAM_pattern,
+    MCV_PARAM_mask,
 } mcv_param_kind;
 
 /* A sequence of patterns. Parameters that its type does not have are 0. */
@@ -105,6 +111,12 @@ typedef struct mcv_pattern {
     int orientation;
     uint32_t resolution[2];
 } mcv_pattern;
+
+/* The numbers of a mask, row by row. */
+typedef struct mcv_mask {
+    uint32_t side; /* 0: none is given */
+    float values[MCV_MASK_SIDE * MCV_MASK_SIDE];
+} mcv_mask;
 
 /* One row of an element's parameter table; `offset` points into its parameter struct. */
 typedef struct mcv_param {

@@ -9,6 +9,7 @@
  *   coded    a modified uniformly redundant array of the prime order p in the inscribed square:
  * cell (i, j) is open if j = 0 and i > 0, or if i and j are both quadratic residues mod p, or both
  * none (S. R. Gottesman and E. E. Fenimore, Appl. Opt. 28, 4344, 1989)
+ *   mask     K x K cells of the square about the disc pass what apertureMask says
  *
  * Rays are sampled where the aperture is open. With "radiance" a pixel is the mean over the open
  * area; with "irradiance" the open area counts, so that a smaller one darkens the image. The
@@ -19,8 +20,6 @@
 
 #include "mcvisi/sensors/sensor.h"
 
-#define MCV_MASK_SIDE 32
-
 typedef struct mcv_aperture {
     uint shape;        /* MCV_APERTURE_… */
     uint count;        /* blades, or cells of a side */
@@ -28,7 +27,8 @@ typedef struct mcv_aperture {
     float x, y, turns; /* rotation: its direction, and in turns */
     float extent;      /* cells: half the side of their square */
     float open;        /* share of the disc that is open */
-    float weight;      /* of a ray through an open place: 1, of irradiance the share */
+    float weight; /* of a ray through an open place: 1, of irradiance the share; of a mask over the
+                     share of its cells' light that lies in the disc */
     float share[MCV_MASK_SIDE * MCV_MASK_SIDE + 1]; /* cells: of the light that passes those before,
                                                        row by row from the upper left one */
 } mcv_aperture;
@@ -66,7 +66,7 @@ MCV_FUNCTION mcv_pupil_sample mcv_sample_aperture(MCV_CONSTANT const mcv_apertur
                                                   float eta) {
     mcv_pupil_sample to;
     float cosine, sine;
-    if (a->shape == MCV_APERTURE_CODED) return mcv_sample_cells(a, xi, eta);
+    if (a->shape >= MCV_APERTURE_CODED) return mcv_sample_cells(a, xi, eta);
     if (a->shape == MCV_APERTURE_BLADES) {
         /* One of the triangles about the middle, and a place of it. */
         const uint blade = mcv_cell(xi, a->count);
@@ -111,7 +111,7 @@ MCV_FUNCTION float mcv_aperture_weight(MCV_CONSTANT const mcv_aperture *a, float
             if (mcv_fma(p_x, cosine, p_y * sine) > apothem) passed = 0.0f;
         }
     }
-    if (a->shape == MCV_APERTURE_CODED) {
+    if (a->shape >= MCV_APERTURE_CODED) {
         const float side = (float)a->count;
         const float column = mcv_fma(p_x / a->extent, 0.5f, 0.5f) * side;
         const float row = mcv_fma(-p_y / a->extent, 0.5f, 0.5f) * side;

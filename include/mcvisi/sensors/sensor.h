@@ -155,13 +155,17 @@
 #endif
 
 #define MCV_APERTURE_PARAMS(X) \
-    X(choice, aperture, 2, 2, 6, "what of the round aperture is open") \
+    X(choice, aperture, 2, 2, 7, "what of the round aperture is open") \
     X(number, apertureRatio, MCV_UNSET, MCV_POSITIVE, 0.999, \
       "inner over outer radius of a ring, by default 0.5") \
     X(angle, apertureRotation, MCV_UNSET, -1e3, 1e3, \
       "direction of the open half, or of the first corner of blades, from right towards up [rad]") \
     X(integer, apertureBlades, MCV_UNSET, 3, 64, "corners of blades, by default 6") \
-    X(integer, apertureOrder, MCV_UNSET, 5, 31, "cells of a side of a code, a prime; by default 13")
+    X(integer, apertureOrder, MCV_UNSET, 5, 31, \
+      "cells of a side of a code, a prime; by default 13") \
+    X(mask, apertureMask, MCV_UNSET, 1, MCV_MASK_SIDE, \
+      "rows of what the cells of the square about the aperture pass, the upper row first, as the " \
+      "camera looks")
 
 /* For the sensors with a lens. */
 #define MCV_FALLOFF_PARAMS(X) \
