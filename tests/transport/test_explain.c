@@ -156,6 +156,57 @@ static double mean_of_pixel(const mcv_picture *picture, uint32_t part_number, ui
     return mean;
 }
 
+/* A camera looks along the axis of a lens of n = 1.5 into a sky. */
+static const char lens_scene[] =
+    "{\"asset\": {\"version\": \"2.0\"}, \"scene\": 0, \"scenes\": [{\"nodes\": [0, 1, 2]}],"
+    " \"extensions\": {\"MCVISI_sensors\": {\"sensors\": [{\"name\": \"camera\","
+    " \"type\": \"pinhole\", \"imageDistance\": \"10mm\", \"resolution\": [9, 9],"
+    " \"pixelSize\": \"1um\"}]}, \"MCVISI_emitters\": {\"emitters\": ["
+    " {\"name\": \"sky\", \"type\": \"environment\", \"radiance\": 1}]},"
+    " \"MCVISI_surfaces\": {\"surfaces\": [{\"type\": \"lens\", \"surfaces\": ["
+    "{\"radius\": \"310mm\", \"semiDiameter\": \"14mm\", \"thickness\": \"6mm\","
+    " \"material\": \"glass\"}, {\"radius\": \"-310mm\", \"semiDiameter\": \"14mm\"}]}]}},"
+    " \"materials\": [{\"name\": \"glass\", \"extensions\": {\"MCVISI_materials\":"
+    " {\"type\": \"dielectric\", \"ior\": 1.5}}}],"
+    " \"nodes\": [{\"name\": \"camera\", \"translation\": [0, 0, 0.1],"
+    "   \"extensions\": {\"MCVISI_sensors\": {\"sensor\": 0}}},"
+    "  {\"name\": \"lens\", \"extensions\": {\"MCVISI_surfaces\": {\"surface\": 0}}},"
+    "  {\"name\": \"sky\", \"extensions\": {\"MCVISI_emitters\": {\"emitter\": 0}}}]}";
+
+/*
+ * The ghosts of a lens by brightness. Light that meets its faces head on is reflected by R = 0.04:
+ * (1 - R)² passes, R is reflected in front, R (1 - R)² behind, R² (1 - R)² passes after two
+ * reflections inside. All shares add up to 1, as the sky is even. Angles are below 1e-3 there,
+ * which changes R by 1e-6. Four and a half deviations of binomial shares: 1e-5 of chance.
+ */
+static void test_ghosts_of_a_lens(void **state) {
+    (void)state;
+    enum { PATHS = 1 << 18 };
+    static const struct {
+        const char *name;
+        double share;
+    } ghosts[] = {
+        {"camera <- node \"lens\" refracts 2 times <- emitter \"sky\"", 0.96 * 0.96},
+        {"camera <- node \"lens\" reflects <- emitter \"sky\"", 0.04},
+        {"camera <- node \"lens\" refracts <- node \"lens\" reflects <- node \"lens\" refracts <- "
+         "emitter \"sky\"",
+         0.04 * 0.96 * 0.96},
+        {"camera <- node \"lens\" refracts <- node \"lens\" reflects 2 times <- node \"lens\" "
+         "refracts <- emitter \"sky\"",
+         0.04 * 0.04 * 0.96 * 0.96},
+    };
+    json_t *found = explain(lens_scene, "{\"pixel\": \"4,4\", \"spp\": 262144}");
+    const json_t *routes = json_object_get(found, "routes");
+    assert_true(json_array_size(routes) >= 4);
+    assert_true(fabs(number(json_object_get(found, "value"), "value") - 1) < 1e-6);
+    for (size_t i = 0; i < 4; ++i) {
+        const double share = ghosts[i].share;
+        expect_route(routes, i, ghosts[i].name, share,
+                     4.5 * sqrt(share * (1 - share) / PATHS) + 1e-6);
+    }
+    json_decref(found);
+}
+
 /* The value is the pixel of the reference renderer: paths are the same, numbered alike. */
 static void test_value_is_the_render(void **state) {
     (void)state;
@@ -211,7 +262,8 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_shares_of_two_lights), cmocka_unit_test(test_share_of_a_sky),
         cmocka_unit_test(test_strongest_path),       cmocka_unit_test(test_routes_within_a_box),
-        cmocka_unit_test(test_value_is_the_render),  cmocka_unit_test(test_bad_pixels),
+        cmocka_unit_test(test_ghosts_of_a_lens),     cmocka_unit_test(test_value_is_the_render),
+        cmocka_unit_test(test_bad_pixels),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
