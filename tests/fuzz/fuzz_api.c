@@ -78,6 +78,8 @@ CALL(views, mcv_picture_views(w->picture, text, &m->picture, &m->report, error))
 CALL(gradient, mcv_picture_emd_gradient(w->picture, text, &m->picture, &m->report, error))
 CALL(write_picture, mcv_picture_write(w->picture, "out.exr", text, error))
 CALL(make_picture, mcv_picture_make(1, 1, 1, &(const float){1}, NULL, text, &m->picture, error))
+CALL(triangulate,
+     mcv_images_triangulate(&(const char *){"picture.exr"}, 1, text, &m->report, error))
 CALL(parse, mcv_rig_parse(text, strlen(text), NULL, &m->rig, error))
 CALL(new_rig, mcv_rig_new("telecentric", "part.stl", text, &m->rig, &m->report, error))
 CALL(camera_model, mcv_rig_camera_model(w->rig, text, &m->text, error))
@@ -100,11 +102,11 @@ static mcv_result sequence(const world *w, const char *text, made *m, mcv_error 
 }
 
 static session_call *const calls[] = {
-    open_session,  render,        render_files, sweep,      uncertainty,  optimize,
-    pod,           pod_values,    check,        explain,    trace,        transport,
-    measure,       camera,        compare,      detect,     views,        gradient,
-    write_picture, make_picture,  parse,        new_rig,    camera_model, change,
-    add_defect,    deflectometry, relight,      deflection, inverse,      sequence,
+    open_session, render,       render_files, sweep,      uncertainty,   optimize,     pod,
+    pod_values,   check,        explain,      trace,      transport,     measure,      camera,
+    compare,      detect,       views,        gradient,   write_picture, make_picture, parse,
+    new_rig,      camera_model, change,       add_defect, deflectometry, relight,      deflection,
+    inverse,      sequence,     triangulate,
 };
 
 static void must(mcv_result result, const mcv_error *error) {
@@ -151,6 +153,7 @@ static world open_world(void) {
                    "[24, 16]");
     must(mcv_session_open("{\"device\": \"reference\", \"threads\": 1}", &w.session, &e), &e);
     must(mcv_session_render(w.session, w.rig, options, NULL, NULL, &w.picture, NULL, &e), &e);
+    must(mcv_picture_write(w.picture, "picture.exr", NULL, &e), &e);
     return w;
 }
 

@@ -69,12 +69,13 @@ CALLS = (
     {"format": "opencv", "sensor": "camera"},
     [8, "6mm"],
     {"node": "plate", "at": "0mm,0mm,0mm", "size": "1mm", "depth": "1um"},
-    {"plane": "plate", "spp": 4, "unwrap": "gray", "noise": 1, "level": True, "screen": "back"},
+    {"plane": "plate", "spp": 4, "unwrap": "gray", "noise": 1, "remove_form": "plane", "screen": "back"},
     {"fit": "contrast", "region": "0,0,4,4", "background": "4,0,4,4", "json": True},
     {"json": True},
     {"method": "least-squares", "field": "bright", "emitter": "projector", "bits": 8,
      "damping": 0.1, "json": True},
-    {"sequence": 'projector={"type": "phaseShift", "steps": 4, "periods": 16}'})
+    {"sequence": 'projector={"type": "phaseShift", "steps": 4, "periods": 16}'},
+    {"laser": "back", "output": ["t.exr"], "json": True})
 
 
 def calls():
