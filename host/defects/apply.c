@@ -101,17 +101,18 @@ static uint8_t **new_marks(const mcv_scene *scene, const uint32_t instances[2]) 
 }
 
 static void free_marks(uint8_t **marks) {
-    free(marks[0]);
+    if (marks) free(marks[0]);
     free((void *)marks);
 }
 
 mcv_result mcv_defect_fits(const mcv_scene *scene, const mcv_defect *defect,
                            const mcv_json_path *place, mcv_error *error) {
-    mcv_ground ground = {
-        .scene = scene, .defect = defect, .footprint = mcv_defect_footprint(defect)};
+    mcv_ground ground;
     uint8_t **marks = new_marks(scene, defect->instances);
-    if (!marks) return mcv_fail_memory(place, error);
-    const mcv_result result = mcv_ground_find(&ground, marks, place, error);
+    const mcv_result result = mcv_ground_begin(&ground, scene, defect) && marks
+                                  ? mcv_ground_find(&ground, marks, place, error)
+                                  : mcv_fail_memory(place, error);
+    mcv_ground_free(&ground);
     free_marks(marks);
     return result;
 }
@@ -119,15 +120,16 @@ mcv_result mcv_defect_fits(const mcv_scene *scene, const mcv_defect *defect,
 mcv_result mcv_defect_apply(mcv_scene *scene, const mcv_defect *defect, const mcv_json_path *place,
                             mcv_error *error) {
     if (mcv_defect_is_inside(defect->type)) return mcv_defect_embed(scene, defect, error);
-    mcv_ground ground = {
-        .scene = scene, .defect = defect, .footprint = mcv_defect_footprint(defect)};
+    mcv_ground ground;
     mcv_facets facets = {NULL, 0, 0};
     uint8_t **marks = new_marks(scene, defect->instances);
-    if (!marks) return mcv_fail_memory(place, error);
-    mcv_result result = mcv_ground_find(&ground, marks, place, error);
+    mcv_result result = mcv_ground_begin(&ground, scene, defect) && marks
+                            ? mcv_ground_find(&ground, marks, place, error)
+                            : mcv_fail_memory(place, error);
     if (result == MCV_OK) result = refine(&ground, marks, &facets, place, error);
     if (result == MCV_OK) result = change(&ground, &facets, place, error);
     if (result == MCV_OK) result = replace_all(scene, defect, &facets, marks, place, error);
+    mcv_ground_free(&ground);
     free_marks(marks);
     free(facets.items);
     return result;

@@ -43,7 +43,13 @@ typedef struct mcv_ground {
     const mcv_defect *defect;
     mcv_footprint footprint;
     double low, high; /* along the normal, from the centre [m] */
+    double **points;  /* of the defect's instances: all vertices, as mcv_ground_point has them */
 } mcv_ground;
+
+/* The ground of a defect, to be freed by mcv_ground_free. False without memory. Each vertex is
+ * looked at once: triangles share them. */
+bool mcv_ground_begin(mcv_ground *ground, const mcv_scene *scene, const mcv_defect *defect);
+void mcv_ground_free(mcv_ground *ground);
 
 /* A position in the instance's frame as u, v and height above the tangent plane. */
 void mcv_ground_point(const mcv_ground *ground, uint32_t instance, const float position[3],

@@ -31,6 +31,33 @@ typedef struct search {
     size_t count, room, border_count;
 } search;
 
+static double *points_of(const mcv_ground *ground, uint32_t instance) {
+    const mcv_mesh *mesh = ground->scene->meshes + ground->scene->instances[instance].mesh;
+    double *points = malloc((3 * (size_t)mesh->vertex_count + 1) * sizeof *points);
+    for (size_t v = 0; points && v < mesh->vertex_count; ++v)
+        mcv_ground_point(ground, instance, mesh->positions + 3 * v, points + 3 * v);
+    return points;
+}
+
+bool mcv_ground_begin(mcv_ground *ground, const mcv_scene *scene, const mcv_defect *defect) {
+    const size_t count = defect->instances[1] - defect->instances[0];
+    *ground =
+        (mcv_ground){.scene = scene, .defect = defect, .footprint = mcv_defect_footprint(defect)};
+    ground->points = calloc(count + 1, sizeof *ground->points);
+    for (size_t i = 0; ground->points && i < count; ++i) {
+        ground->points[i] = points_of(ground, defect->instances[0] + (uint32_t)i);
+        if (!ground->points[i]) return false;
+    }
+    return ground->points != NULL;
+}
+
+void mcv_ground_free(mcv_ground *ground) {
+    const size_t count = ground->defect->instances[1] - ground->defect->instances[0];
+    for (size_t i = 0; ground->points && i < count; ++i) free(ground->points[i]);
+    free((void *)ground->points);
+    ground->points = NULL;
+}
+
 static bool add_candidate(search *s, const candidate *one) {
     if (s->count == s->room) {
         const size_t room = s->room ? 2 * s->room : 256;
@@ -47,11 +74,11 @@ static bool add_candidate(search *s, const candidate *one) {
 
 static void local_corners(const mcv_ground *ground, uint32_t instance, uint32_t triangle,
                           double corners[3][3]) {
-    const mcv_mesh *mesh = ground->scene->meshes + ground->scene->instances[instance].mesh;
+    const double *points = ground->points[instance - ground->defect->instances[0]];
     uint32_t vertices[3];
     mcv_scene_triangle(ground->scene, instance, triangle, vertices);
     for (int k = 0; k < 3; ++k)
-        mcv_ground_point(ground, instance, mesh->positions + 3 * (size_t)vertices[k], corners[k]);
+        memcpy(corners[k], points + 3 * (size_t)vertices[k], sizeof corners[k]);
 }
 
 /* The distance between the origin and a triangle, as far as its corners and its plane tell: that of

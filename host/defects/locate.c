@@ -97,6 +97,16 @@ static void combine(const double c[3][3], const double weights[3], double point[
         point[i] = weights[0] * c[0][i] + weights[1] * c[1][i] + weights[2] * c[2][i];
 }
 
+/* Is every point of the triangle farther from p than `distance`? True is right: no point is farther
+ * from the first corner than a side's coordinates together. */
+static bool is_farther(const double c[3][3], const double p[3], double distance) {
+    double from[3], reach = 0;
+    for (int k = 1; k < 3; ++k)
+        for (int i = 0; i < 3; ++i) reach += fabs(c[k][i] - c[0][i]);
+    for (int i = 0; i < 3; ++i) from[i] = c[0][i] - p[i];
+    return dot(from, from) > 1.000001 * (distance + reach) * (distance + reach);
+}
+
 /* The nearest point of the instances; distance infinite without triangles. *size: the largest
  * coordinate of a corner, for the rounding. */
 static spot nearest_spot(const mcv_scene *scene, const uint32_t instances[2], const double p[3],
@@ -109,6 +119,11 @@ static spot nearest_spot(const mcv_scene *scene, const uint32_t instances[2], co
             double c[3][3];
             spot one = {.instance = i, .triangle = t};
             mcv_scene_corners(scene, i, t, c);
+            for (int k = 0; k < 9; ++k) {
+                const double away = fabs(c[k / 3][k % 3]);
+                if (away > *size) *size = away;
+            }
+            if (is_farther((const double(*)[3])c, p, best.distance)) continue;
             nearest_in_triangle((const double(*)[3])c, p, one.weights);
             combine((const double(*)[3])c, one.weights, one.point);
             double off[3];
@@ -117,7 +132,6 @@ static spot nearest_spot(const mcv_scene *scene, const uint32_t instances[2], co
                 one.distance = hypot(hypot(off[0], off[1]), off[2]);
                 if (one.distance < best.distance) best = one;
             }
-            for (int k = 0; k < 9; ++k) *size = fmax(*size, fabs(c[k / 3][k % 3]));
         }
     }
     return best;

@@ -28,18 +28,19 @@ static void copy_or_zero(float *to, const float *from, size_t count) {
         memset(to, 0, count * sizeof *to);
 }
 
+static void take_corner(const mcv_mesh *m, size_t v, mcv_corner *c) {
+    memcpy(c->position, m->positions + 3 * v, sizeof c->position);
+    copy_or_zero(c->normal, m->normals ? m->normals + 3 * v : NULL, 3);
+    copy_or_zero(c->texcoord, m->texcoords ? m->texcoords + 2 * v : NULL, 2);
+    copy_or_zero(c->texcoord1, m->texcoords1 ? m->texcoords1 + 2 * v : NULL, 2);
+    copy_or_zero(c->tangent, m->tangents ? m->tangents + 4 * v : NULL, 4);
+}
+
 mcv_facet mcv_facet_take(const mcv_scene *scene, uint32_t instance, uint32_t triangle) {
     const mcv_mesh *m = scene->meshes + scene->instances[instance].mesh;
     mcv_facet facet = {.instance = instance};
-    for (int k = 0; k < 3; ++k) {
-        const size_t v = m->indices[3 * (size_t)triangle + (size_t)k];
-        mcv_corner *c = facet.corners + k;
-        memcpy(c->position, m->positions + 3 * v, sizeof c->position);
-        copy_or_zero(c->normal, m->normals ? m->normals + 3 * v : NULL, 3);
-        copy_or_zero(c->texcoord, m->texcoords ? m->texcoords + 2 * v : NULL, 2);
-        copy_or_zero(c->texcoord1, m->texcoords1 ? m->texcoords1 + 2 * v : NULL, 2);
-        copy_or_zero(c->tangent, m->tangents ? m->tangents + 4 * v : NULL, 4);
-    }
+    for (size_t k = 0; k < 3; ++k)
+        take_corner(m, m->indices[3 * (size_t)triangle + k], facet.corners + k);
     if (m->normals) return facet;
     for (int k = 0; k < 3; ++k)
         face_normal(facet.corners[0].position, facet.corners[1].position, facet.corners[2].position,
@@ -161,15 +162,16 @@ static bool keep(building *b, const mcv_scene *scene, uint32_t instance, const u
     uint32_t *numbers = calloc(old->vertex_count + (size_t)1, sizeof *numbers); /* new + 1 */
     for (uint32_t t = 0; t < count && numbers; ++t) {
         if (marks[t]) continue;
-        const mcv_facet kept = mcv_facet_take(scene, instance, t);
         if (!old->normals) {
+            const mcv_facet kept = mcv_facet_take(scene, instance, t);
             add_facet(b, &kept);
             continue;
         }
         for (size_t k = 0; k < 3; ++k) {
-            uint32_t *number = numbers + old->indices[3 * (size_t)t + k];
+            const size_t vertex = old->indices[3 * (size_t)t + k];
+            uint32_t *number = numbers + vertex;
             if (!*number) {
-                b->corners[b->mesh.vertex_count] = kept.corners[k];
+                take_corner(old, vertex, b->corners + b->mesh.vertex_count);
                 *number = ++b->mesh.vertex_count;
             }
             b->mesh.indices[3 * (size_t)b->mesh.triangle_count + k] = *number - 1;
