@@ -4,6 +4,7 @@
 #include "analysis/noise.h"
 #include "scene/params.h"
 
+#include <ctype.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -27,7 +28,7 @@ static bool parse_value(const char *text, size_t length, double *value) {
 static mcv_result fail_levels(const char *text, mcv_error *error) {
     return mcv_fail(error, MCV_USAGE,
                     "\"%s\": must be FROM..TO:N, FROM..TO:N:log, FROM..TO or A,B,C, numbers with "
-                    "or without a unit",
+                    "or without a unit, or words",
                     text);
 }
 
@@ -53,6 +54,15 @@ static mcv_result parse_range(const char *text, const char *dots, mcv_levels *le
     return MCV_OK;
 }
 
+/* Begins with a letter, and can stand in a path, a table and a shell. */
+static bool is_word(const char *text, size_t length) {
+    for (size_t i = 0; i < length; ++i) {
+        const unsigned char c = (unsigned char)text[i];
+        if (!isalpha(c) && c < 0x80 && (i == 0 || !(isdigit(c) || strchr("_-./", c)))) return false;
+    }
+    return length > 0 && length < 64;
+}
+
 mcv_result mcv_levels_parse(const char *text, mcv_levels *levels, mcv_error *error) {
     const char *dots = strstr(text, "..");
     *levels = (mcv_levels){0};
@@ -62,9 +72,12 @@ mcv_result mcv_levels_parse(const char *text, mcv_levels *levels, mcv_error *err
     levels->list = malloc(most * sizeof *levels->list);
     if (!levels->list)
         return mcv_fail(error, MCV_FAILED, "no memory for the values of \"%.100s\"", text);
+    levels->named = most > 1 && is_word(text, strcspn(text, ","));
     for (const char *at = text;; ++at) {
         const size_t length = strcspn(at, ",");
-        if (!parse_value(at, length, levels->list + levels->count++)) {
+        double *value = levels->list + levels->count;
+        *value = (double)levels->count++;
+        if (levels->named ? !is_word(at, length) : !parse_value(at, length, value)) {
             mcv_levels_free(levels);
             return fail_levels(text, error);
         }

@@ -25,12 +25,14 @@ typedef struct mcv_levels {
     double from, to;
     bool logarithmic; /* between from and to, both above 0 */
     double *list;     /* or NULL: a range */
+    bool named;       /* the list was of words, and holds their places in it: 0, 1, 2 … */
     size_t count;     /* of the list, or steps of the range */
 } mcv_levels;
 
 /*
  * Reads "A..B:N", "A..B:N:log", "A..B" and "A..B:log" (not for a grid) or "A,B,C"; numbers may have
- * units. MCV_USAGE for other texts. The list is freed by mcv_levels_free.
+ * units. A list of two or more may be of words, which begin with a letter. MCV_USAGE for other
+ * texts. The list is freed by mcv_levels_free.
  */
 mcv_result mcv_levels_parse(const char *text, mcv_levels *levels, mcv_error *error);
 void mcv_levels_free(mcv_levels *levels);

@@ -109,7 +109,8 @@ static char *question(const mcv_judge *j, size_t set, size_t exposure, const dou
     json_t *document = json_object(), *parameters = json_object();
     mcv_judge_image_path(&j->images, exposure, path);
     for (size_t i = 0; i < plan->count; ++i)
-        json_object_set_new(parameters, plan->parameters[i].name, json_real(row[i]));
+        json_object_set_new(parameters, plan->parameters[i].name,
+                            mcv_parameter_json(plan->parameters + i, row[i]));
     json_object_set_new(document, "image", json_string(path));
     json_object_set_new(document, "set", json_integer((json_int_t)set));
     json_object_set_new(document, "exposure", json_integer((json_int_t)exposure));

@@ -20,6 +20,16 @@ static double largest_of(const mcv_table *table, size_t metric) {
     return extremes[0] ? fmax(fabs(extremes[0][at]), fabs(extremes[1][at])) : 0;
 }
 
+/* "material, 0: steel, 1: brass": plots have numbers. */
+static void tell_words(const mcv_parameter *p, mcv_page_name *name) {
+    mcv_value_text value;
+    for (size_t i = 0; i < p->levels.count; ++i) {
+        const size_t at = strlen(name->words);
+        snprintf(name->words + at, sizeof name->words - at, ", %zu: %s", i,
+                 mcv_parameter_text(p, (double)i, 6, value));
+    }
+}
+
 static void name_columns(mcv_page *page) {
     const mcv_plan *plan = &page->sweep->plan;
     const mcv_measurement *m = &page->sweep->measurement;
@@ -28,6 +38,7 @@ static void name_columns(mcv_page *page) {
         page->parameters[i] = mcv_unit_of_parameter(plan->parameters + i);
         mcv_name_with_unit(plan->parameters[i].name, page->parameters + i, name->words,
                            sizeof name->words);
+        if (plan->parameters[i].levels.named) tell_words(plan->parameters + i, name);
         page->axes[i] = (mcv_plots_axis){name->words, plan->parameters[i].levels.logarithmic};
     }
     for (size_t i = 0; i < m->count; ++i) {

@@ -30,11 +30,14 @@ static void put_value(FILE *out, const mcv_page *page, size_t metric, size_t row
 /* "halfAngle 0.5 °, fNumber 8" */
 static void put_parameters(FILE *out, const mcv_page *page, size_t row) {
     const mcv_plan *plan = &page->sweep->plan;
+    mcv_value_text value;
     for (size_t i = 0; i < plan->varied; ++i) {
         fputs(i ? ", " : "", out);
         mcv_html_text(out, plan->parameters[i].name);
-        fprintf(out, " %.6g%s%s", mcv_plots_row(&page->plots, row)[i],
-                page->parameters[i].name[0] ? " " : "", page->parameters[i].name);
+        fprintf(
+            out, " %s%s%s",
+            mcv_parameter_text(plan->parameters + i, mcv_plots_row(&page->plots, row)[i], 6, value),
+            page->parameters[i].name[0] ? " " : "", page->parameters[i].name);
     }
 }
 

@@ -81,9 +81,13 @@ static void put_command(FILE *out, const mcv_page *page, size_t row) {
     if (s->plan.seeds) fprintf(out, " --seed %u", e->render.seed + s->plan.seeds[set]);
     for (size_t i = 0; i < s->plan.count; ++i) {
         const mcv_parameter *p = s->plan.parameters + i;
-        char words[32], text[512];
+        char text[512];
+        mcv_value_text words;
         if (mcv_judge_has(p)) continue; /* it is not the scene's */
-        mcv_exact_words(numbers[i], words);
+        if (p->levels.named)
+            mcv_parameter_text(p, numbers[i], 17, words);
+        else
+            mcv_exact_words(numbers[i], words);
         snprintf(text, sizeof text, "%.*s=%s", p->path_length, p->item, words);
         fputs(" --set ", out);
         put_word(out, text);
@@ -123,7 +127,11 @@ static void put_row(FILE *out, const mcv_page *page, size_t row) {
     const char *message = page->sweep->table.messages[row];
     fprintf(out, "<tr id=\"s%zu\"%s><td><a href=\"#s%zu\">%zu</a>", p->sets[row],
             row == p->best ? " class=\"best\"" : "", p->sets[row], p->sets[row]);
-    for (size_t i = 0; i < p->parameter_count; ++i) fprintf(out, "<td>%.6g", numbers[i]);
+    for (size_t i = 0; i < p->parameter_count; ++i) {
+        mcv_value_text value;
+        const mcv_parameter *of = page->sweep->plan.parameters + i;
+        fprintf(out, "<td>%s", mcv_parameter_text(of, numbers[i], 6, value));
+    }
     for (size_t i = 0; i < p->metric_count; ++i) {
         char words[48];
         mcv_value_words(mcv_plots_value(p, i, row), mcv_plots_uncertainty(p, i, row), words);

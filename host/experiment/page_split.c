@@ -21,11 +21,12 @@ static void put_setting(FILE *out, const mcv_page *page, const mcv_split_setting
     const double *row = s->table.rows + setting->row * s->table.columns;
     fputs(best ? "<tr class=\"best\"><th>" : "<tr><th>", out);
     const char *comma = "";
+    mcv_value_text value;
     for (size_t i = 0; i < s->plan.count; ++i) {
         if (!mcv_judge_has(s->plan.parameters + i)) continue;
         fputs(comma, out);
         mcv_html_text(out, s->plan.parameters[i].name);
-        fprintf(out, " %.6g", row[i]);
+        fprintf(out, " %s", mcv_parameter_text(s->plan.parameters + i, row[i], 6, value));
         comma = ", ";
     }
     for (int side = 0; side < 2; ++side) put_rate(out, setting->rates + side);

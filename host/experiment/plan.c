@@ -70,6 +70,45 @@ mcv_result mcv_plan_parameters(const mcv_variation *variation, mcv_plan *plan, m
     return MCV_OK;
 }
 
+/* --- words --- */
+
+const char *mcv_parameter_word(const mcv_parameter *p, double number, int *length) {
+    const char *at = p->item + p->path_length + 1;
+    if (!p->levels.named || !(number >= 0 && number < (double)p->levels.count)) return NULL;
+    for (size_t left = (size_t)number; left > 0; --left) at = strchr(at, ',') + 1;
+    *length = (int)strcspn(at, ",");
+    return at;
+}
+
+double mcv_parameter_number(const mcv_parameter *p, const char *text) {
+    const size_t size = strcspn(text, ",");
+    for (size_t i = 0; i < p->levels.count; ++i) {
+        int length;
+        const char *word = mcv_parameter_word(p, (double)i, &length);
+        if (word && (size_t)length == size && memcmp(word, text, size) == 0) return (double)i;
+    }
+    return NAN;
+}
+
+const char *mcv_parameter_text(const mcv_parameter *p, double number, int digits,
+                               mcv_value_text text) {
+    int length;
+    const char *word = mcv_parameter_word(p, number, &length);
+    if (word)
+        snprintf(text, sizeof(mcv_value_text), "%.*s", length, word);
+    else
+        snprintf(text, sizeof(mcv_value_text), "%.*g", digits, number);
+    return text;
+}
+
+json_t *mcv_parameter_json(const mcv_parameter *p, double number) {
+    int length;
+    const char *word = mcv_parameter_word(p, number, &length);
+    return word ? json_stringn(word, (size_t)length) : json_real(number);
+}
+
+/* --- sets --- */
+
 /* The parameters of a set; those that are not computed yet are unknown. */
 typedef struct known_values {
     const mcv_plan *plan;

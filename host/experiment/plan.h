@@ -9,6 +9,8 @@
 #include "core/basics.h"
 #include "experiment/design.h"
 
+#include <jansson.h>
+
 /* Sets that are made in another way than by a design. */
 typedef struct mcv_given_sets {
     const char *option;   /* of the items "PATH=…", whose values are not read here: "tolerance" */
@@ -37,6 +39,21 @@ typedef struct mcv_parameter {
     mcv_levels levels;      /* empty for a tie */
     const char *expression; /* of a tie, or NULL */
 } mcv_parameter;
+
+/* The word of a list for which a number stands, and its length; NULL: it is a number. */
+const char *mcv_parameter_word(const mcv_parameter *parameter, double number, int *length);
+
+/* The number of a word in the list, the begin of a text that ends at a comma; NaN: there is none.
+ */
+double mcv_parameter_number(const mcv_parameter *parameter, const char *text);
+
+/* A value as text: its word, or the number in so many digits. */
+typedef char mcv_value_text[80];
+const char *mcv_parameter_text(const mcv_parameter *parameter, double number, int digits,
+                               mcv_value_text text);
+
+/* The word or the number. */
+json_t *mcv_parameter_json(const mcv_parameter *parameter, double number);
 
 /* The texts of the variation are borrowed. */
 typedef struct mcv_plan {

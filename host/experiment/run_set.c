@@ -25,7 +25,9 @@ mcv_result mcv_load_set(const mcv_sweep *s, const double *numbers, mcv_set_texts
     if (given.count) memcpy(items, given.items, given.count * sizeof *items);
     for (size_t i = 0; i < plan->count; ++i) {
         const mcv_parameter *p = plan->parameters + i;
-        snprintf(texts[i], sizeof texts[i], "%.*s=%.17g", p->path_length, p->item, numbers[i]);
+        mcv_value_text value;
+        snprintf(texts[i], sizeof texts[i], "%.*s=%s", p->path_length, p->item,
+                 mcv_parameter_text(p, numbers[i], 17, value));
         if (!mcv_judge_has(p)) items[count++] = texts[i];
     }
     const mcv_result result = mcv_experiment_load(s, (mcv_overrides){items, count}, scene, error);

@@ -80,11 +80,15 @@ static void put_header(const mcv_table *table, FILE *out) {
 /* The set is the first column in the file and the last in memory. */
 static void put_row(const mcv_table *table, FILE *out, const double *row, const char *message) {
     fprintf(out, "%.0f", row[mcv_row_fixed(table, MCV_ROW_SET)]);
-    for (size_t i = 0; i + 1 < table->columns; ++i)
+    for (size_t i = 0; i + 1 < table->columns; ++i) {
+        mcv_value_text value;
         if (isnan(row[i]))
             fputc(',', out);
+        else if (i < table->plan->count)
+            fprintf(out, ",%s", mcv_parameter_text(table->plan->parameters + i, row[i], 10, value));
         else
             fprintf(out, ",%.10g", row[i]);
+    }
     fputc(',', out);
     if (message) put_quoted(out, message);
     fputc('\n', out);
@@ -224,8 +228,10 @@ static mcv_result read_line(mcv_table *table, char *line, size_t number, bool *d
     MCV_TRY(read_set(table, line, number, &set, &at, error));
     row[mcv_row_fixed(table, MCV_ROW_SET)] = (double)set;
     for (size_t i = 0; i + 1 < table->columns && *at == ','; ++i) {
-        char *end;
-        row[i] = strtod(++at, &end);
+        char *end = ++at;
+        const bool named = i < table->plan->count && table->plan->parameters[i].levels.named;
+        row[i] = named ? mcv_parameter_number(table->plan->parameters + i, at) : strtod(at, &end);
+        if (named) end += strcspn(at, ",");
         if (end == at) row[i] = NAN;
         at = end;
     }

@@ -35,7 +35,8 @@ mcv_shown_unit mcv_unit_of_parameter(const mcv_parameter *p) {
     mcv_shown_unit unit = plain;
     char name[16], one[24];
     double si;
-    if (p->expression || !first_unit(p->item + p->path_length + 1, name)) return plain;
+    if (p->expression || p->levels.named || !first_unit(p->item + p->path_length + 1, name))
+        return plain;
     snprintf(one, sizeof one, "1%s", name);
     if (!mcv_parse_quantity(one, MCV_PARAM_choice, &si)) return plain;
     const bool degrees = strcmp(name, "deg") == 0, micro = strcmp(name, "um") == 0;

@@ -66,11 +66,19 @@ static void free_candidates(candidates *c) {
     free(c->chances);
 }
 
+/* The chance that a step takes another word. */
+static const double OTHER_WORD = 0.25;
+
 /* About a point, in steps of a share of each length, from a hundredth up. */
 static void step_from(const mcv_searching *s, const double *from, mcv_noise *noise, double *unit) {
     const size_t d = s->search->dimensions;
     const double size = pow(10, -2 * mcv_noise_uniform(noise));
     for (size_t i = 0; i < d; ++i) {
+        if (s->search->levels[i].named) {
+            const bool other = mcv_noise_uniform(noise) < OTHER_WORD;
+            unit[i] = other ? mcv_noise_uniform(noise) : from[i];
+            continue;
+        }
         const double length = fmin(1, exp(s->surrogate.logarithms[i]));
         unit[i] = fmin(1, fmax(0, from[i] + size * length * mcv_noise_normal(noise)));
     }

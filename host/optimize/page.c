@@ -40,10 +40,13 @@ static void put_number(FILE *out, const shown *s, double result) {
 /* "distance 15 mm, fNumber 8" */
 static void put_parameters(FILE *out, const mcv_page *page, const double *values) {
     const mcv_plan *plan = &page->sweep->plan;
+    mcv_value_text value;
     for (size_t i = 0; i < plan->varied; ++i) {
         fputs(i ? ", " : "", out);
         mcv_html_text(out, plan->parameters[i].name);
-        fprintf(out, " %.6g%s%s", values[i] * page->parameters[i].per_si,
+        fprintf(out, " %s%s%s",
+                mcv_parameter_text(plan->parameters + i, values[i] * page->parameters[i].per_si, 6,
+                                   value),
                 page->parameters[i].name[0] ? " " : "", page->parameters[i].name);
     }
 }
@@ -86,6 +89,7 @@ static void put_winner(FILE *out, const mcv_optimization *o, const mcv_page *pag
 /* --- tables --- */
 
 static void put_points(FILE *out, const mcv_optimization *o, const mcv_page *page) {
+    mcv_value_text value;
     const mcv_plan *plan = &o->sweep.plan;
     fprintf(out, "<h2>%s</h2>\n<div class=\"wide\"><table class=\"told\"><tr>",
             o->search.objectives > 1 ? "The front: none of these is better in all"
@@ -104,7 +108,9 @@ static void put_points(FILE *out, const mcv_optimization *o, const mcv_page *pag
         const mcv_confirmed *c = o->found.points + i;
         fputs("<tr>", out);
         for (size_t k = 0; k < plan->varied; ++k)
-            fprintf(out, "<td>%.6g", c->point.values[k] * page->parameters[k].per_si);
+            fprintf(out, "<td>%s",
+                    mcv_parameter_text(plan->parameters + k,
+                                       c->point.values[k] * page->parameters[k].per_si, 6, value));
         for (size_t k = 0; k < o->search.objectives; ++k) {
             const shown s = show(o, page, k);
             fputs("<td>", out);
@@ -129,6 +135,7 @@ static void put_near(FILE *out, const mcv_optimization *o, const mcv_page *page)
           out);
     for (size_t i = 0; i < plan->varied; ++i) {
         const double per_si = page->parameters[i].per_si;
+        if (o->levels[i].named) continue; /* words have no order */
         fputs("<tr><th>", out);
         mcv_html_text(out, page->parameter_names[i].words);
         fprintf(out, "<td>%.5g to %.5g\n", o->found.near[i][0] * per_si,

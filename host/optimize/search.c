@@ -143,12 +143,16 @@ static mcv_result run(mcv_searching *s, mcv_error *error) {
     return mcv_search_confirm(s, confirm_budget(s), error);
 }
 
+static void begin_surrogate(const mcv_search *search, mcv_surrogate *s) {
+    mcv_surrogate_begin(s, search->dimensions);
+    for (size_t i = 0; i < search->dimensions; ++i) s->named[i] = search->levels[i].named;
+}
+
 mcv_result mcv_search_run(const mcv_search *search, mcv_search_result *result, mcv_error *error) {
     mcv_searching s = {.search = search, .result = result};
     *result = (mcv_search_result){.ended = ""};
-    mcv_surrogate_begin(&s.surrogate, search->dimensions);
-    for (size_t k = 0; k < search->requirements; ++k)
-        mcv_surrogate_begin(s.limits + k, search->dimensions);
+    begin_surrogate(search, &s.surrogate);
+    for (size_t k = 0; k < search->requirements; ++k) begin_surrogate(search, s.limits + k);
     const mcv_result done = run(&s, error);
     mcv_surrogate_free(&s.surrogate);
     for (size_t k = 0; k < search->requirements; ++k) mcv_surrogate_free(s.limits + k);

@@ -30,8 +30,17 @@ static double to_list(const mcv_levels *l, double *unit) {
     return nearest;
 }
 
+/* Of words, all have the same share of the unit interval. */
+static double to_word(const mcv_levels *l, double *unit) {
+    const double last = (double)l->count - 1;
+    const double place = fmin(last, floor(fmax(0, *unit) * (double)l->count));
+    *unit = last > 0 ? place / last : 0;
+    return place;
+}
+
 static double to_value(const mcv_levels *l, double *unit) {
     char digits[32];
+    if (l->named) return to_word(l, unit);
     if (l->list) return to_list(l, unit);
     *unit = fmin(1, fmax(0, *unit));
     const double value = l->logarithmic ? l->from * pow(l->to / l->from, *unit)

@@ -57,11 +57,14 @@ mcv_result mcv_surrogate_add(mcv_surrogate *s, const double *point, double value
 
 /* --- covariance --- */
 
-/* √5 r of two points. */
+double mcv_surrogate_off(const mcv_surrogate *s, const double *a, const double *b, size_t i) {
+    return (s->named[i] ? (double)(a[i] != b[i]) : a[i] - b[i]) * s->inverse[i];
+}
+
 double mcv_surrogate_distance(const mcv_surrogate *s, const double *a, const double *b) {
     double sum = 0;
     for (size_t i = 0; i < s->dimensions; ++i) {
-        const double off = (a[i] - b[i]) * s->inverse[i];
+        const double off = mcv_surrogate_off(s, a, b, i);
         sum += off * off;
     }
     return sqrt(5 * sum);

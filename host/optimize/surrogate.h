@@ -7,8 +7,11 @@
  *
  *     k(r) = s² (1 + √5 r + 5r²/3) exp(-√5 r),   r² = Σ (Δ_i/l_i)²
  *
- * and each value's own variance stands on the diagonal. The mean is an unknown constant. Lengths
- * and s are those of the largest posterior density, with wide normal priors on their logarithms.
+ * where the Δ of a named parameter is 0 or 1: its values are the same or not, without an order
+ * (Hutter, Hoos and Leyton-Brown, Sequential model-based optimization for general algorithm
+ * configuration, LION 5, 507, 2011); and each value's own variance stands on the diagonal. The mean
+ * is an unknown constant. Lengths and s are those of the largest posterior density, with wide
+ * normal priors on their logarithms.
  */
 #ifndef MCVISI_HOST_OPTIMIZE_SURROGATE_H
 #define MCVISI_HOST_OPTIMIZE_SURROGATE_H
@@ -23,6 +26,7 @@ enum { MCV_SURROGATE_PARAMETERS = 12 };
 
 typedef struct mcv_surrogate {
     size_t dimensions, count, room;
+    bool named[MCV_SURROGATE_PARAMETERS];
     double *points; /* [value][dimensions] */
     double *values, *variances;
     double logarithms[MCV_SURROGATE_PARAMETERS + 1]; /* of the lengths, and of s² in units of

@@ -50,7 +50,7 @@ static void find_slopes(const fitting *f, double *slopes) {
                          r = mcv_surrogate_distance(s, a, b), e = variance * exp(-r);
             slopes[d] += with * e * (1 + r + r * r / 3);
             for (size_t p = 0; p < d; ++p) {
-                const double off = (a[p] - b[p]) * s->inverse[p];
+                const double off = mcv_surrogate_off(s, a, b, p);
                 slopes[p] += with * e * 5.0 / 3 * (1 + r) * off * off;
             }
         }

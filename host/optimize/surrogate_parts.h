@@ -8,6 +8,9 @@
 /* Takes logarithms of the lengths and of s². */
 void mcv_surrogate_set(mcv_surrogate *s, const double *logarithms);
 
+/* Δ_i/l_i of two points. */
+double mcv_surrogate_off(const mcv_surrogate *s, const double *a, const double *b, size_t i);
+
 /* √5 r of two points. */
 double mcv_surrogate_distance(const mcv_surrogate *s, const double *a, const double *b);
 

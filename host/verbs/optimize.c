@@ -30,7 +30,7 @@ static json_t *point_json(const mcv_optimization *o, const mcv_confirmed *c) {
     json_t *parameters = json_object(), *objectives = json_object();
     for (size_t i = 0; i < o->search.dimensions; ++i)
         json_object_set_new(parameters, o->sweep.plan.parameters[i].name,
-                            json_real(c->point.values[i]));
+                            mcv_parameter_json(o->sweep.plan.parameters + i, c->point.values[i]));
     for (size_t k = 0; k < o->search.objectives; ++k)
         json_object_set_new(objectives, objective_name(o, k),
                             json_pack("{s:o, s:o}", "value",
@@ -63,8 +63,9 @@ static json_t *winner_json(const mcv_optimization *o) {
     json_object_set_new(winner, "in_search",
                         number(mcv_optimization_value(o, 0, f->winner.in_search)));
     for (size_t i = 0; i < o->search.dimensions; ++i)
-        json_object_set_new(near, o->sweep.plan.parameters[i].name,
-                            json_pack("[f, f]", f->near[i][0], f->near[i][1]));
+        if (!o->levels[i].named) /* words have no order */
+            json_object_set_new(near, o->sweep.plan.parameters[i].name,
+                                json_pack("[f, f]", f->near[i][0], f->near[i][1]));
     json_object_set_new(winner, "as_good_within", near);
     if (o->search.requirements) json_object_set_new(winner, "requirements", requirements_json(o));
     return winner;
@@ -87,10 +88,11 @@ mcv_result mcv_optimize_json(const mcv_optimization *o, double spent, char **tex
 
 static void put_point(FILE *out, const mcv_optimization *o, const char *what,
                       const mcv_confirmed *c) {
+    mcv_value_text value;
     fprintf(out, "%s:", what);
     for (size_t i = 0; i < o->search.dimensions; ++i)
-        fprintf(out, "%s %s %.6g", i ? "," : "", o->sweep.plan.parameters[i].name,
-                c->point.values[i]);
+        fprintf(out, "%s %s %s", i ? "," : "", o->sweep.plan.parameters[i].name,
+                mcv_parameter_text(o->sweep.plan.parameters + i, c->point.values[i], 6, value));
     for (size_t k = 0; k < o->search.objectives && c->count; ++k)
         fprintf(out, "; %s %.5g ± %.2g", objective_name(o, k),
                 mcv_optimization_value(o, k, c->point.results[k]), c->point.errors[k]);
@@ -111,8 +113,9 @@ static void put_winner(FILE *out, const mcv_optimization *o) {
                 f->winner.point.margins[k] <= 0 ? "met" : "missed",
                 fabs(f->winner.point.margins[k]), f->winner.point.margin_errors[k]);
     for (size_t i = 0; i < o->search.dimensions; ++i)
-        fprintf(out, "  %s: as good from %.5g to %.5g\n", o->sweep.plan.parameters[i].name,
-                f->near[i][0], f->near[i][1]);
+        if (!o->levels[i].named)
+            fprintf(out, "  %s: as good from %.5g to %.5g\n", o->sweep.plan.parameters[i].name,
+                    f->near[i][0], f->near[i][1]);
     for (size_t i = 1; i < f->point_count; ++i) put_point(out, o, "rival", f->points + i);
 }
 

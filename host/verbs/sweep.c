@@ -89,7 +89,8 @@ static json_t *number(double value) { return isfinite(value) ? json_real(value) 
 static json_t *parameters_json(const mcv_sweep *s, const double *row) {
     json_t *where = json_object();
     for (size_t i = 0; i < s->plan.count; ++i)
-        json_object_set_new(where, s->plan.parameters[i].name, json_real(row[i]));
+        json_object_set_new(where, s->plan.parameters[i].name,
+                            mcv_parameter_json(s->plan.parameters + i, row[i]));
     return where;
 }
 

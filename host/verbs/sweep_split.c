@@ -20,7 +20,8 @@ static json_t *setting_json(const mcv_sweep *s, const mcv_split_setting *setting
     json_t *object = json_object(), *parameters = json_object();
     for (size_t i = 0; i < s->plan.count; ++i)
         if (mcv_judge_has(s->plan.parameters + i))
-            json_object_set_new(parameters, s->plan.parameters[i].name, json_real(row[i]));
+            json_object_set_new(parameters, s->plan.parameters[i].name,
+                                mcv_parameter_json(s->plan.parameters + i, row[i]));
     json_object_set_new(object, "parameters", parameters);
     for (int k = 0; k < 2; ++k)
         json_object_set_new(object, sides[k], rate_json(setting->rates + k));
@@ -61,10 +62,12 @@ mcv_result mcv_sweep_split_text(const mcv_sweep *s, FILE *out, mcv_error *error)
         if (split.count == 0) continue;
         const mcv_split_setting *best = split.settings + split.best;
         const double *row = s->table.rows + best->row * s->table.columns;
+        mcv_value_text value;
         fprintf(out, "tuned for %s:", s->measurement.metrics[metric].name);
         for (size_t i = 0; i < s->plan.count; ++i)
             if (mcv_judge_has(s->plan.parameters + i))
-                fprintf(out, " %s %.5g,", s->plan.parameters[i].name, row[i]);
+                fprintf(out, " %s %s,", s->plan.parameters[i].name,
+                        mcv_parameter_text(s->plan.parameters + i, row[i], 5, value));
         fputc(' ', out);
         put_rate(out, best->rates + MCV_SPLIT_TUNING, "tuning");
         fputs("; ", out);

@@ -17,11 +17,13 @@ static char *finish(FILE *out, char **text) {
 char *mcv_sweep_row_text(const mcv_sweep *s, const double *row, const char *message) {
     char *text = NULL;
     size_t size;
+    mcv_value_text value;
     FILE *out = open_memstream(&text, &size);
     if (!out) return NULL;
     fprintf(out, "%zu/%zu ", s->table.row_count, s->plan.wanted);
     for (size_t i = 0; i < s->plan.count; ++i)
-        fprintf(out, " %s %.5g", s->plan.parameters[i].name, row[i]);
+        fprintf(out, " %s %s", s->plan.parameters[i].name,
+                mcv_parameter_text(s->plan.parameters + i, row[i], 5, value));
     for (size_t i = 0; i < s->measurement.count; ++i) {
         const double *q = row + mcv_row_metric(&s->table, i);
         if (!isnan(q[0])) fprintf(out, "; %s %.5g", s->measurement.metrics[i].name, q[0]);
@@ -36,10 +38,12 @@ char *mcv_sweep_row_text(const mcv_sweep *s, const double *row, const char *mess
 static void print_extreme(FILE *out, const mcv_sweep *s, const char *which, size_t metric,
                           const double *row) {
     const double *q = row + mcv_row_metric(&s->table, metric);
+    mcv_value_text value;
     fprintf(out, "%s %s: %.5g", which, s->measurement.metrics[metric].name, q[0]);
     if (!isnan(q[1])) fprintf(out, " ± %.2g", q[1]);
     for (size_t i = 0; i < s->plan.count; ++i)
-        fprintf(out, "%s %s %.5g", i ? "," : " at", s->plan.parameters[i].name, row[i]);
+        fprintf(out, "%s %s %s", i ? "," : " at", s->plan.parameters[i].name,
+                mcv_parameter_text(s->plan.parameters + i, row[i], 5, value));
     fputc('\n', out);
 }
 

@@ -111,6 +111,37 @@ static void test_two_objectives(void **state) {
     json_decref(report);
 }
 
+/* A mirror shows no lamp to the camera: the diffuse floor wins, by its word in all that is told. */
+static void test_words(void **state) {
+    (void)state;
+#define WORDS \
+    "--vary nodes/lamp/translation/x=0.1..1 --vary materials/floor/type=mirror,diffuse --metric " \
+    "mean --spp 4 --replicates 2 --resolution 4x4 --device reference "
+    json_t *report =
+        program_json("optimize s.gltf " WORDS "--objective mean=largest --evaluations 30 --json");
+    assert_string_equal(json_string_value(value_at(report, "winner/parameters/type")), "diffuse");
+    assert_null(json_object_get(value_at(report, "winner/as_good_within"), "type"));
+    assert_non_null(json_object_get(value_at(report, "winner/as_good_within"), "x"));
+    json_t *again = program_json("optimize s.gltf " WORDS
+                                 "--objective mean=largest --evaluations 30 --resume --json");
+    assert_true(json_equal(value_at(report, "winner"), value_at(again, "winner")));
+    json_decref(report);
+    json_decref(again);
+    const char *table = read_whole("s-optimize.csv");
+    assert_non_null(strstr(table, ",mirror,"));
+    assert_non_null(strstr(table, ",diffuse,"));
+    assert_non_null(strstr(read_whole("s-optimize.html"), "type diffuse"));
+    /* The sweep has them, too, and the page's command takes the word. */
+    program_well("sweep s.gltf --vary materials/floor/type=mirror,diffuse --metric mean --spp 4 "
+                 "--resolution 4x4 --device reference -o words.csv");
+    assert_non_null(strstr(said, "type diffuse"));
+    assert_non_null(strstr(read_whole("words.html"), "--set materials/floor/type=diffuse"));
+    program_fails("sweep s.gltf --vary materials/floor/type=mirror,2 --metric mean", 2,
+                  "numbers with or without a unit, or words");
+    program_fails("sweep s.gltf --vary materials/floor/type=2,mirror --metric mean", 2,
+                  "numbers with or without a unit, or words");
+}
+
 static void test_bad_input(void **state) {
     (void)state;
 #define FROM "optimize s.gltf --vary nodes/lamp/translation/x=0.1..1 --metric mean "
@@ -134,7 +165,8 @@ static void test_bad_input(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        FRESH(test_the_lamp, scene), FRESH(test_resumes, scene), FRESH(test_two_objectives, scene),
-        FRESH(test_requirements, scene), FRESH(test_bad_input, scene)};
+        FRESH(test_the_lamp, scene),       FRESH(test_resumes, scene),
+        FRESH(test_two_objectives, scene), FRESH(test_requirements, scene),
+        FRESH(test_words, scene),          FRESH(test_bad_input, scene)};
     return cmocka_run_group_tests(tests, enter_folder, leave_folder);
 }

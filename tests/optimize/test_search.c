@@ -163,6 +163,33 @@ static void test_draws(void **state) {
     mcv_surrogate_free(&s);
 }
 
+/* What is known of the first of three words tells the same of both others; of three numbers it
+ * tells more of the nearer one. */
+static void test_words_have_no_order(void **state) {
+    static const double known[3][2] = {{0, 0.2}, {0, 0.5}, {0, 0.9}},
+                        others[3][2] = {{0.5, 0.5}, {1, 0.5}, {0.5, 0.2}};
+    mcv_error error;
+    (void)state;
+    for (int named = 0; named < 2; ++named) {
+        mcv_surrogate s;
+        double mean[3], deviation[3];
+        mcv_surrogate_begin(&s, 2);
+        s.named[0] = named;
+        for (int i = 0; i < 3; ++i)
+            assert_int_equal(mcv_surrogate_add(&s, known[i], i == 1 ? -3 : 1, 1e-4, &error),
+                             MCV_OK);
+        assert_int_equal(mcv_surrogate_fit(&s, false, &error), MCV_OK);
+        assert_int_equal(mcv_surrogate_predict(&s, others[0], 3, mean, deviation, &error), MCV_OK);
+        if (named) {
+            assert_true(mean[0] == mean[1] && deviation[0] == deviation[1]);
+            assert_true(mean[0] < mean[2]); /* as of the first one */
+        } else {
+            assert_true(mean[0] < mean[1] && deviation[0] < deviation[1]);
+        }
+        mcv_surrogate_free(&s);
+    }
+}
+
 /* --- minima --- */
 
 static void test_branin(void **state) {
@@ -384,6 +411,38 @@ static void test_logarithmic_ranges(void **state) {
 }
 
 /* A third of the box fails, with one of the minima. */
+/* Five words, each a parabola of its own. The best, by 0.2, is the second one at 0.8; its
+ * neighbours in the list are among the worst. */
+static double of_words(const double *x) {
+    static const double least[5] = {0.5, 0, 0.7, 0.2, 0.9}, at[5] = {0.1, 0.8, 0.3, 0.6, 0.5};
+    const int word = (int)x[0];
+    return least[word] + 2 * (x[1] - at[word]) * (x[1] - at[word]);
+}
+
+static void test_words(void **state) {
+    static double places[5] = {0, 1, 2, 3, 4};
+    const mcv_levels levels[] = {{.list = places, .count = 5, .named = true}, {.to = 1}};
+    (void)state;
+    for (uint32_t run = 0; run < 5; ++run) {
+        noisy n = {.of = of_words, .run = run};
+        mcv_search search = search_of(&n, levels, 2, 80);
+        mcv_search_result r;
+        bool seen[5] = {false};
+        search.better[0] = 0.02;
+        search_well(&search, &r);
+        for (size_t i = 0; i < r.count; ++i) {
+            const double place = r.all[i].values[0];
+            assert_true(place == floor(place) && place >= 0 && place < 5);
+            seen[(int)place] = true;
+        }
+        for (int i = 0; i < 5; ++i) assert_true(seen[i]); /* the screening tries each */
+        if (r.winner.point.values[0] != 1 || of_words(r.winner.point.values) > 2 * 0.02)
+            fail_msg("run %u: word %g at %g: must be 1 at 0.8", run, r.winner.point.values[0],
+                     r.winner.point.values[1]);
+        mcv_search_free(&r);
+    }
+}
+
 static void test_failures(void **state) {
     noisy n = {.of = branin, .run = 5, .fails = true};
     mcv_search search = search_of(&n, branin_box, 2, 70);
@@ -516,6 +575,8 @@ static void says_where_requirements_cannot_be_met(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_the_process),
                                        cmocka_unit_test(test_draws),
+                                       cmocka_unit_test(test_words_have_no_order),
+                                       cmocka_unit_test(test_words),
                                        cmocka_unit_test(test_branin),
                                        cmocka_unit_test(test_noisy_branin),
                                        cmocka_unit_test(test_noisy_hartmann),
