@@ -11,6 +11,7 @@
 #ifndef MCVISI_KERNELS_SELECTION_H
 #define MCVISI_KERNELS_SELECTION_H
 
+#include "light/lobe.h"
 #include "world.h"
 
 /* How far a flat emitter stretches along a direction, r times the sine of the angle to its normal;
@@ -62,77 +63,116 @@ MCV_LOOP_FUNCTION float mcv_emitter_importance(__global const mcv_device_emitter
     return e->power / mcv_fma(e->widening, mcv_dot(way, way), e->narrowest);
 }
 
-/* What reaches a receiver: the sum of the importances of so many emitters. */
+/* What reaches a receiver: of so many emitters the sum of the importances, and of these times what
+ * the receiver sends on, once and squared. */
 typedef struct mcv_reaching {
     float sum, count;
+    float received, squares;
 } mcv_reaching;
 
-/* An emitter's importance to a receiver, -1 where it does not reach it. `sides` as in
- * mcv_emitter_reaches. */
+MCV_LOOP_FUNCTION mcv_reaching mcv_nothing_reaches(void) {
+    const mcv_reaching nothing = {0.0f, 0.0f, 0.0f, 0.0f};
+    return nothing;
+}
+
+/* An emitter's importance to a receiver times what that sends on against `direction`, -1 where it
+ * does not reach it. `sides` as in mcv_emitter_reaches. glossy, known to the compiler: 0 if all
+ * lobes are mcv_even_lobe(). */
 MCV_LOOP_FUNCTION float mcv_add_reaching(__global const mcv_device_emitter *e, mcv_vec3 receiver,
                                          mcv_vec3 face, mcv_vec3 normal, uint sides,
+                                         mcv_vec3 direction, mcv_receiver_lobe lobe, int glossy,
                                          mcv_reaching *all) {
     const int reaches = mcv_emitter_reaches(e, receiver, face, normal, sides);
     const float importance = mcv_emitter_importance(e, receiver);
+    float received = 1.0f;
+#if MCV_WITH_GLOSS
+    if (glossy) received = mcv_lobe_towards(e, receiver, direction, normal, lobe);
+#endif
+    const float weight = importance * received;
     all->sum += reaches ? importance : 0.0f;
     all->count += reaches ? 1.0f : 0.0f;
-    return reaches ? importance : -1.0f;
+    all->received += reaches ? weight : 0.0f;
+    all->squares += reaches ? weight * received : 0.0f;
+    (void)direction, (void)lobe, (void)glossy;
+    return reaches ? weight : -1.0f;
 }
 
-/* The chances at one receiver: scale * importance + least of each emitter that reaches it. */
+/*
+ * The chances at one receiver: scale * importance + least of each emitter that reaches it. These
+ * are what a path keeps for the power heuristic. By what it sends on the receiver chooses with
+ * received_scale * weight + received_least; the others are then larger in all by as much as the
+ * choice is better: what weighs light must be the same wherever a path meets it, but need not be
+ * the choice itself.
+ */
 typedef struct mcv_light_selection {
     float scale, least;
+    float received_scale, received_least;
 } mcv_light_selection;
 
 /* A sixteenth of all choices goes to the emitters in equal parts: what promises most may be hidden.
  */
-MCV_LOOP_FUNCTION mcv_light_selection mcv_make_light_selection(mcv_reaching all) {
+MCV_LOOP_FUNCTION mcv_light_selection mcv_make_light_selection(mcv_reaching all, int glossy) {
     mcv_light_selection selection;
     selection.scale = all.sum > 0.0f ? 0.9375f / all.sum : 0.0f;
     selection.least = (all.sum > 0.0f ? 0.0625f : 1.0f) / all.count;
+    selection.received_scale = selection.scale;
+    selection.received_least = selection.least;
+    if (!(MCV_WITH_GLOSS && glossy)) return selection;
+    const int sends = all.received > 0.0f;
+    const float better =
+        mcv_fma(0.9375f, (all.squares / all.received) * (all.sum / all.received), 0.0625f);
+    selection.received_scale = sends ? 0.9375f / all.received : 0.0f;
+    selection.received_least = (sends ? 0.0625f : 1.0f) / all.count;
+    selection.scale *= sends ? better : 1.0f;
+    selection.least *= sends ? better : 1.0f;
     return selection;
 }
 
 /* The emitter that a number has chosen of those asked so far, and the chances of these: the first
  * one whose chances, with those before it, exceed the number; for want of it the last one. */
 typedef struct mcv_emitter_choice {
-    uint emitter; /* MCV_NONE: none of them reaches the receiver */
-    float chances;
+    uint emitter;          /* MCV_NONE: none of them reaches the receiver */
+    float chances, chance; /* of all asked, of this one */
 } mcv_emitter_choice;
 
 MCV_LOOP_FUNCTION mcv_emitter_choice mcv_ask_emitter(mcv_emitter_choice so_far, uint emitter,
-                                                     float importance,
-                                                     mcv_light_selection selection, float xi) {
+                                                     float weight, float scale, float least,
+                                                     float xi) {
     const int open = (so_far.emitter == MCV_NONE) | (so_far.chances <= xi),
-              takes = open & (importance >= 0.0f);
-    const float chance = mcv_fma(importance, selection.scale, selection.least);
+              takes = open & (weight >= 0.0f);
+    const float chance = mcv_fma(weight, scale, least);
     so_far.emitter = takes ? emitter : so_far.emitter;
+    so_far.chance = takes ? chance : so_far.chance;
     so_far.chances += takes ? chance : 0.0f;
     return so_far;
 }
 
-/* The emitter at xi of all that reach the receiver, MCV_NONE where nothing does. */
+/* The emitter at xi of all that reach the receiver, MCV_NONE where nothing does. *chance: of that
+ * choice. */
 MCV_FUNCTION uint mcv_select_emitter(mcv_world world, mcv_vec3 receiver, mcv_vec3 face,
-                                     mcv_vec3 normal, uint sides, float xi,
-                                     mcv_light_selection *selection) {
-    float importances[MCV_MOST_REACHING];
-    mcv_reaching all = {0.0f, 0.0f};
-    mcv_emitter_choice choice = {MCV_NONE, 0.0f};
+                                     mcv_vec3 normal, uint sides, mcv_vec3 direction,
+                                     mcv_receiver_lobe lobe, float xi,
+                                     mcv_light_selection *selection, float *chance) {
+    float weights[MCV_MOST_REACHING];
+    mcv_reaching all = mcv_nothing_reaches();
+    mcv_emitter_choice choice = {MCV_NONE, 0.0f, 0.0f};
     const uint count = min(world.frame->emitter_count, (uint)MCV_MOST_REACHING);
     for (uint i = 0; i < count; ++i)
-        importances[i] = mcv_add_reaching(world.emitters + i, receiver, face, normal, sides, &all);
-    *selection = mcv_make_light_selection(all);
+        weights[i] = mcv_add_reaching(world.emitters + i, receiver, face, normal, sides, direction,
+                                      lobe, MCV_WITH_GLOSS, &all);
+    *selection = mcv_make_light_selection(all, MCV_WITH_GLOSS);
     for (uint i = 0; i < count; ++i)
-        choice = mcv_ask_emitter(choice, i, importances[i], *selection, xi);
+        choice = mcv_ask_emitter(choice, i, weights[i], selection->received_scale,
+                                 selection->received_least, xi);
+    *chance = choice.chance;
     return choice.emitter;
 }
 
 /* How much more often than at large, where its chance is e->probability, such a receiver chooses an
- * emitter. */
+ * emitter; scale, least: as of mcv_light_selection. */
 MCV_LOOP_FUNCTION float mcv_selection_ratio(__global const mcv_device_emitter *e, mcv_vec3 receiver,
-                                            mcv_light_selection selection) {
-    return mcv_fma(mcv_emitter_importance(e, receiver), selection.scale, selection.least) /
-           e->probability;
+                                            float scale, float least) {
+    return mcv_fma(mcv_emitter_importance(e, receiver), scale, least) / e->probability;
 }
 
 #endif

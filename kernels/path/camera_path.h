@@ -85,8 +85,9 @@
                                                          media, density, throughput */ \
     X(emitter, MCV_TILE *MCV_WITH_NEXT_EVENT) /* that the path samples, or MCV_NONE */ \
     X(place, 4 * MCV_TILE * MCV_WITH_NEXT_EVENT * MCV_WITH_TEXTURE) /* triangle, u, v, density */ \
-    X(selection_here, (2 * MCV_WITH_REACH + 4 * MCV_WITH_LIGHT_TREE) * MCV_WITH_NEXT_EVENT) \
-    X(shadow_origin, 3 * MCV_WITH_NEXT_EVENT) /* ray to the emitter */ \
+    X(selection_here, ((2 + MCV_WITH_GLOSS) * MCV_WITH_REACH + 4 * MCV_WITH_LIGHT_TREE) * \
+                          MCV_WITH_NEXT_EVENT) /* the last one: the choice's chance */ \
+    X(shadow_origin, 3 * MCV_WITH_NEXT_EVENT)  /* ray to the emitter */ \
     X(shadow_direction, 3 * MCV_WITH_NEXT_EVENT) \
     X(shadow_origin_surface, MCV_WITH_NEXT_EVENT *MCV_WITH_SURFACES) \
     X(shadow_density, MCV_TILE *MCV_WITH_NEXT_EVENT)         /* as in mcv_shadow */ \

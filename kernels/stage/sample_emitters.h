@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Stage: next-event estimation. A scattering surface chooses an emitter by power and reach, then a
- * direction to it:
+ * Stage: next-event estimation. A scattering surface chooses an emitter by power, reach and
+ * its own lobe, then a direction to it:
  * - uniform in the cone of a parallel emitter, if that is smaller than the emitter as seen from
  *   there; the emitter must then be the closest hit;
  * - towards a point uniform in solid angle on a rectangle that subtends a large angle;
@@ -24,6 +24,7 @@
 #include "light/selection.h"
 #include "light/tree.h"
 #include "path/identity.h"
+#include "stage/receiver_lobe.h"
 
 #if MCV_WITH_NEXT_EVENT
 MCV_LOOP_FUNCTION mcv_receiver mcv_receiver_of(mcv_interaction interaction) {
@@ -63,12 +64,6 @@ MCV_LOOP_FUNCTION void mcv_put_selection(mcv_slot slot, mcv_light_selection sele
     MCV_STORE(slot, selection_here, 1, selection.least);
 }
 
-MCV_LOOP_FUNCTION mcv_light_selection mcv_selection_in(mcv_slot slot) {
-    const mcv_light_selection selection = {MCV_LOAD(slot, selection_here, 0),
-                                           MCV_LOAD(slot, selection_here, 1)};
-    return selection;
-}
-
 #if MCV_WITH_LIGHT_TREE
 /* The normal by which a walk through the light tree weighs emitters. */
 MCV_LOOP_FUNCTION mcv_vec3 mcv_walking_normal(mcv_vec3 normal, uint sides) {
@@ -93,14 +88,9 @@ MCV_FUNCTION uint mcv_pick_emitter(mcv_world world, mcv_slot slot, uint depth) {
         return mcv_search_cdf(world.emitter_cdf, world.frame->emitter_count,
                               mcv_cdf_bits(choice.x, choice.y));
     const uint sides = world.materials[material].scattering_sides;
-#if MCV_TILE
-    const mcv_vec3 point = MCV_LOAD_3(slot, point), face = MCV_LOAD_3(slot, face),
-                   normal = MCV_LOAD_3(slot, normal);
-#else
     const mcv_interaction interaction = mcv_make_interaction(world, slot);
     const mcv_vec3 point = interaction.surface.point, face = interaction.face,
                    normal = interaction.normal;
-#endif
 #if MCV_WITH_LIGHT_TREE
     float ratio;
     const mcv_vec3 side = mcv_walking_normal(normal, sides);
@@ -109,9 +99,16 @@ MCV_FUNCTION uint mcv_pick_emitter(mcv_world world, mcv_slot slot, uint depth) {
     (void)face;
 #else
     mcv_light_selection selection;
+    mcv_receiver_lobe lobe = mcv_even_lobe();
+    float chance;
+#if MCV_WITH_REACH && MCV_WITH_GLOSS
+    lobe = mcv_receiver_lobe_at(world, slot, &interaction);
+#endif
     const uint emitter =
-        mcv_select_emitter(world, point, face, normal, sides, choice.x, &selection);
+        mcv_select_emitter(world, point, face, normal, sides, interaction.direction, lobe, choice.x,
+                           &selection, &chance);
     mcv_put_selection(slot, selection);
+    if (MCV_WITH_REACH && MCV_WITH_GLOSS) MCV_STORE(slot, selection_here, 2, chance);
 #endif
     return emitter;
 }
@@ -143,12 +140,16 @@ MCV_FUNCTION uint mcv_choose_emitter(mcv_world world, mcv_slot slot, uint depth)
 MCV_LOOP_FUNCTION mcv_shadow mcv_apply_selection(mcv_world world, mcv_slot slot, mcv_vec3 point,
                                                  uint emitter, mcv_shadow shadow) {
     if (!(MCV_WITH_REACH | MCV_WITH_LIGHT_TREE)) return shadow;
-    const float preference =
-        MCV_WITH_LIGHT_TREE
-            ? MCV_LOAD(slot, selection_here, 3)
-            : mcv_selection_ratio(world.emitters + emitter, point, mcv_selection_in(slot));
+    __global const mcv_device_emitter *e = world.emitters + emitter;
+    const float preference = MCV_WITH_LIGHT_TREE
+                                 ? MCV_LOAD(slot, selection_here, 3)
+                                 : mcv_selection_ratio(e, point, MCV_LOAD(slot, selection_here, 0),
+                                                       MCV_LOAD(slot, selection_here, 1));
+    const float chosen = MCV_WITH_REACH && MCV_WITH_GLOSS
+                             ? MCV_LOAD(slot, selection_here, 2) / e->probability
+                             : preference;
     shadow.density *= preference;
-    shadow.light = mcv_dim(shadow.light, 1.0f / preference);
+    shadow.light = mcv_dim(shadow.light, 1.0f / chosen);
     return shadow;
 }
 

@@ -25,10 +25,9 @@ MCV_LOOP_FUNCTION float mcv_density_against(mcv_world world, mcv_slot slot, uint
                                                    MCV_LOAD_3(slot, selection));
 #else
     if (!(MCV_WITH_NEXT_EVENT && MCV_WITH_REACH)) return density;
-    const mcv_light_selection selection = {MCV_LOAD(slot, selection, 0),
-                                           MCV_LOAD(slot, selection, 1)};
-    const float against = density / mcv_selection_ratio(world.emitters + emitter,
-                                                        MCV_LOAD_3(slot, origin), selection);
+    const float against =
+        density / mcv_selection_ratio(world.emitters + emitter, MCV_LOAD_3(slot, origin),
+                                      MCV_LOAD(slot, selection, 0), MCV_LOAD(slot, selection, 1));
 #endif
     return density > 0.0f ? against : density;
 }
