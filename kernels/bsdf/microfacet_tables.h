@@ -216,12 +216,13 @@ MCV_LOOP_FUNCTION mcv_color mcv_gloss_multiple(const mcv_device_gloss *m, const 
     return mcv_schlick_multiple(gloss, more, square, linear, least, rest);
 }
 
-/* Is there a table of multiple scattering? Metal and glass without a direction have one, which is
- * known beforehand of plain surfaces; and brushed metal of one roughness. */
+/* Is there a table of multiple scattering? Rough conductors have one, as no image changes their
+ * roughness, and glass without a direction. Known to the compiler where their loops are: a choice
+ * of albedos that hangs on the material alone kept those of brushed metal from being vectorised. */
 MCV_LOOP_FUNCTION int mcv_has_multiple(const mcv_device_gloss *m, const mcv_gloss *gloss) {
-    const int tabulated = m->multiple != MCV_NONE;
-    if (gloss->type == MCV_MATERIAL_METALLIC_ROUGHNESS) return tabulated;
-    return (m->azimuths == 1) | ((gloss->type == MCV_MATERIAL_CONDUCTOR) & tabulated);
+    if (gloss->type == MCV_MATERIAL_CONDUCTOR) return 1;
+    return gloss->type == MCV_MATERIAL_METALLIC_ROUGHNESS ? m->multiple != MCV_NONE
+                                                          : m->azimuths == 1;
 }
 
 #endif

@@ -100,6 +100,9 @@ MCV_LOOP_FUNCTION mcv_brushed_words mcv_brushed_at(MCV_GLOBAL const float *table
     const uint along = MCV_MULTIPLE_WORDS * (2u * MCV_BRUSHED_HALVES - 1u);
     const uint middle = along * MCV_BRUSHED_HALVES;
     mcv_brushed_words sum = {{0.0f, 0.0f, 0.0f, 0.0f}};
+#if MCV_ON_DEVICE /* else the loop over paths is not vectorised */
+#pragma unroll
+#endif
     for (uint corner = 0; corner < 8; ++corner) {
         MCV_GLOBAL const float *at = table + place.first + (corner & 1 ? along : 0u) +
                                      (corner & 2 ? middle : 0u) +
@@ -109,6 +112,9 @@ MCV_LOOP_FUNCTION mcv_brushed_words mcv_brushed_at(MCV_GLOBAL const float *table
                              (corner & 4 ? place.beyond[0] : 1.0f - place.beyond[0]);
         const float second = weight * place.beyond[3];
         const float first = weight - second;
+#if MCV_ON_DEVICE
+#pragma unroll
+#endif
         for (uint k = 0; k < MCV_MULTIPLE_WORDS; ++k)
             sum.word[k] =
                 mcv_fma(first, at[k], mcv_fma(second, at[MCV_MULTIPLE_WORDS + k], sum.word[k]));
