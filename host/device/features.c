@@ -120,6 +120,9 @@ static void find_of_material(finding *f, const mcv_material *m) {
         {MCV_FEATURE_SHEET, plate},
         {MCV_FEATURE_MIRROR, m->type == MCV_MATERIAL_MIRROR},
         {MCV_FEATURE_GLOSS, mcv_material_is_rough(m) || m->type == MCV_MATERIAL_CONDUCTOR},
+        {MCV_FEATURE_METAL, m->type == MCV_MATERIAL_CONDUCTOR},
+        {MCV_FEATURE_METALLIC, m->type == MCV_MATERIAL_METALLIC_ROUGHNESS},
+        {MCV_FEATURE_ROUGH_GLASS, glass && mcv_material_is_rough(m)},
         {MCV_FEATURE_ANISOTROPY, mcv_material_roughness(m).anisotropy > 0},
         {MCV_FEATURE_REFLECTOR, mcv_material_is_scatterer(m->type)},
         {MCV_FEATURE_TEXTURE, texture},
@@ -236,6 +239,8 @@ static void find_next_event(finding *f, const mcv_scene *scene, const mcv_packed
     add(f, MCV_FEATURE_REACH, emits && count > 1 && count <= MCV_MOST_REACHING,
         "the number of emitters", NULL);
     add(f, MCV_FEATURE_LIGHT_TREE, emits && packed->light_tree, "the number of emitters", NULL);
+    add(f, MCV_FEATURE_MANY_EMITTERS, emits && count > MCV_MOST_REACHING, "the number of emitters",
+        NULL);
     add(f, MCV_FEATURE_EARLY_ROULETTE, emits && !(f->features & by_chance),
         "no environment, glass or sheet", NULL);
 }

@@ -21,6 +21,9 @@
     X(SHEET, "sheet", "a thin sheet or a beam splitter transmits") \
     X(MIRROR, "mirror", "a mirror reflects") \
     X(GLOSS, "gloss", "a metal or a rough surface reflects") \
+    X(METAL, "metal", "a conductor reflects") \
+    X(METALLIC, "metallic-roughness", "a metallic-roughness surface reflects") \
+    X(ROUGH_GLASS, "rough-glass", "the surface of a body of glass is rough") \
     X(ANISOTROPY, "anisotropy", "a rough surface has a direction, as brushed metal has") \
     X(REFLECTOR, "retroreflector", "a surface has a BSDF of its own, such as a retroreflector") \
     X(CONTACT, "contact", \
@@ -45,6 +48,8 @@
       "there are few emitters: each surface chooses by what an emitter can contribute to it") \
     X(LIGHT_TREE, "light-tree", \
       "there are many emitters: each surface chooses by a tree of what they can contribute to it") \
+    X(MANY_EMITTERS, "many-emitters", \
+      "there are so many emitters that few paths of a slice sample the same one") \
     X(EARLY_ROULETTE, "early-roulette", \
       "next-event estimation samples all light: later vertices contribute little, so Russian " \
       "roulette ends paths earlier") \

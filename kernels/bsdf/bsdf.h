@@ -95,7 +95,7 @@ MCV_FUNCTION mcv_scattering mcv_scatter(mcv_world world, mcv_interaction interac
     }
 #endif
     switch (material.type) {
-#if MCV_WITH_GLOSS
+#if MCV_WITH_GLOSS && MCV_WITH_METAL
     case MCV_MATERIAL_CONDUCTOR:
         return mcv_scatter_conductor(world, interaction, instance.material, media);
 #endif

@@ -29,7 +29,8 @@ static int mcv_is_rough(mcv_world world, const mcv_interaction *interaction, uin
     const uint type = world.materials[instance.material].type;
     if (!world.materials[instance.material].scattering_sides) return 0;
     if (MCV_WITH_DIELECTRIC && type == MCV_MATERIAL_DIELECTRIC)
-        return mcv_cross_surface(world, interaction, media).albedos != MCV_NONE;
+        return MCV_WITH_ROUGH_GLASS &&
+               mcv_cross_surface(world, interaction, media).albedos != MCV_NONE;
     return type == MCV_MATERIAL_METALLIC_ROUGHNESS || type == MCV_MATERIAL_CONDUCTOR;
 }
 
@@ -68,7 +69,7 @@ MCV_LOOP_FUNCTION mcv_gloss_interaction mcv_make_gloss_interaction_of(
     m.gloss.between.delta = 0.0f;
     m.gloss.alpha.x = mcv_fma(1.0f - alpha, from->anisotropy, alpha);
     m.gloss.alpha.y = alpha;
-    if (MCV_WITH_DIELECTRIC && m.gloss.type == MCV_MATERIAL_DIELECTRIC) {
+    if (MCV_WITH_ROUGH_GLASS && m.gloss.type == MCV_MATERIAL_DIELECTRIC) {
         const mcv_crossing crossing = mcv_cross_surface(world, interaction, media);
         m.near_media = crossing.before;
         m.far_media = crossing.after;
@@ -194,12 +195,13 @@ static mcv_scattering mcv_scatter_gloss(mcv_world world, mcv_interaction interac
     mcv_gloss_interaction room;
     const mcv_device_gloss from = world.gloss[material];
     const mcv_gloss_interaction *m = mcv_known_gloss(world, &interaction, material, media, &room);
-    if (parts && m->gloss.type == MCV_MATERIAL_DIELECTRIC)
+    if (MCV_WITH_ROUGH_GLASS && parts && m->gloss.type == MCV_MATERIAL_DIELECTRIC)
         return mcv_split_by_gloss(world, &interaction, &from, m, pair, choice, other);
     return mcv_turn_by_gloss(world, &interaction, &from, m,
                              mcv_choose_gloss_of(&from, m, pair, choice));
 }
 
+#if MCV_WITH_METAL
 /* A smooth metal. */
 static mcv_scattering mcv_scatter_conductor(mcv_world world, mcv_interaction interaction,
                                             uint material, uint media) {
@@ -214,6 +216,7 @@ static mcv_scattering mcv_scatter_conductor(mcv_world world, mcv_interaction int
                                                    cosine < 1.0f ? cosine : 1.0f);
     return scattering;
 }
+#endif
 #endif
 
 #endif

@@ -41,7 +41,7 @@ MCV_LOOP_FUNCTION mcv_lobes mcv_gloss_lobes(const mcv_device_gloss *m, const mcv
     lobes.passing = lobes.more = mcv_grey(0.0f);
     lobes.near_a = lobes.near_b = lobes.far_a = lobes.far_b = mcv_grey(0.0f);
     lobes.far_chance = 0.0f;
-#if MCV_WITH_DIELECTRIC
+#if MCV_WITH_ROUGH_GLASS
     if (gloss->type == MCV_MATERIAL_DIELECTRIC) {
         /* a: what is missing outside the body, b: inside. */
         const float missing = gloss->inside ? at.b : at.a;
@@ -74,7 +74,7 @@ MCV_LOOP_FUNCTION mcv_lobes mcv_gloss_lobes(const mcv_device_gloss *m, const mcv
 #endif
     const mcv_albedo mean = mcv_albedo_at(m, gloss, albedos, o, 1);
     const float missing = mean.a > 0.0f ? at.a / mean.a : 0.0f;
-    if (gloss->type == MCV_MATERIAL_CONDUCTOR) {
+    if (MCV_WITH_METAL && gloss->type == MCV_MATERIAL_CONDUCTOR) {
         if (!mcv_has_multiple(m, gloss)) lobes.near_b = mcv_dim(gloss->base, missing);
         lobes.specular = 1.0f - at.a;
         lobes.near_chance = at.a;
@@ -117,12 +117,12 @@ MCV_LOOP_FUNCTION mcv_color mcv_gloss_fresnel(const mcv_device_gloss *m, const m
                                               float cosine) {
     mcv_color reflected;
     const float c = cosine < 1.0f ? cosine : 1.0f;
-#if MCV_WITH_DIELECTRIC
+#if MCV_WITH_ROUGH_GLASS
     if (gloss->type == MCV_MATERIAL_DIELECTRIC)
         return mcv_grey(
             mcv_interface_reflectance(gloss->between, c, mcv_refracted_cosine(gloss->between, c)));
 #endif
-    if (gloss->type == MCV_MATERIAL_CONDUCTOR) {
+    if (MCV_WITH_METAL && gloss->type == MCV_MATERIAL_CONDUCTOR) {
         MCV_EACH_CHANNEL(i)
         reflected.c[i] =
             mcv_conductor_fresnel(m->n[i] * gloss->between.eta, m->k[i] * gloss->between.eta, c);
@@ -141,7 +141,7 @@ MCV_LOOP_FUNCTION mcv_color mcv_gloss_fresnel(const mcv_device_gloss *m, const m
 MCV_LOOP_FUNCTION float mcv_gloss_reflects(const mcv_device_gloss *m, const mcv_gloss *gloss,
                                            const mcv_lobes *lobes, float cosine,
                                            mcv_color reflected, mcv_color *passed) {
-    if (gloss->type == MCV_MATERIAL_DIELECTRIC) {
+    if (MCV_WITH_ROUGH_GLASS && gloss->type == MCV_MATERIAL_DIELECTRIC) {
         *passed = mcv_grey(1.0f - reflected.c[0]);
         return reflected.c[0];
     }
@@ -234,7 +234,7 @@ MCV_LOOP_FUNCTION mcv_vec3 mcv_gloss_sample(const mcv_device_gloss *m, const mcv
     mcv_vec3 i = mcv_normalize(mcv_along(mcv_scale(o, -1.0f), 2.0f * cosine, h));
     int goes_on = i.z > 0.0f;
     i.z = reflects ? i.z : -i.z;
-    if (gloss->type == MCV_MATERIAL_DIELECTRIC) {
+    if (MCV_WITH_ROUGH_GLASS && gloss->type == MCV_MATERIAL_DIELECTRIC) {
         const float c1 = cosine < 1.0f ? cosine : 1.0f;
         const float c2 = mcv_refracted_cosine(gloss->between, c1);
         const mcv_vec3 refracted = mcv_refract(gloss->between, mcv_scale(o, -1.0f), h, c1, c2);

@@ -181,7 +181,7 @@ MCV_LOOP_FUNCTION mcv_color mcv_gloss_multiple(const mcv_device_gloss *m, const 
                                                mcv_vec3 o, mcv_vec3 i, int far) {
     mcv_color multiple;
     (void)far;
-#if MCV_WITH_DIELECTRIC
+#if MCV_WITH_ROUGH_GLASS
     if (gloss->type == MCV_MATERIAL_DIELECTRIC) {
         const uint words = gloss->inside + (far ? 2u : 0u) + 2u + 2u * MCV_ALBEDO_COSINES;
         const uint known =
@@ -197,14 +197,14 @@ MCV_LOOP_FUNCTION mcv_color mcv_gloss_multiple(const mcv_device_gloss *m, const 
     __global const float *table = tables + m->multiple;
     if (m->azimuths > 1) {
         const mcv_brushed_words at = mcv_brushed_at(table, mcv_find_brushed(gloss->alpha, o, i));
-        if (gloss->type != MCV_MATERIAL_CONDUCTOR)
+        if (!MCV_WITH_METAL || gloss->type != MCV_MATERIAL_CONDUCTOR)
             return mcv_schlick_multiple(gloss, more, at.word[0], at.word[1], at.word[2],
                                         at.word[3]);
         MCV_EACH_CHANNEL(c) multiple.c[c] = at.word[c];
         return multiple;
     }
     const mcv_multiple_place place = mcv_find_multiple(0, o, i);
-    if (gloss->type == MCV_MATERIAL_CONDUCTOR) {
+    if (MCV_WITH_METAL && gloss->type == MCV_MATERIAL_CONDUCTOR) {
         /* No image changes its roughness. */
         MCV_EACH_CHANNEL(c) multiple.c[c] = mcv_multiple_word(table + c, place);
         return multiple;

@@ -97,9 +97,10 @@ MCV_LOOP_FUNCTION uint mcv_class_begin(const uint *class_end, uint class) {
     { \
         const mcv_device_gloss from = mcv_plain_gloss(world, gloss, turns); \
         const mcv_shading glossy = mcv_glossy_shading(world, gloss, &from); \
-        MCV_RANGE_OF_TYPE(MCV_MATERIAL_CONDUCTOR, first, last, RANGE) \
-        MCV_RANGE_OF_TYPE(MCV_MATERIAL_METALLIC_ROUGHNESS, first, last, RANGE) \
-        if (MCV_WITH_DIELECTRIC) MCV_RANGE_OF_TYPE(MCV_MATERIAL_DIELECTRIC, first, last, RANGE) \
+        if (MCV_WITH_METAL) MCV_RANGE_OF_TYPE(MCV_MATERIAL_CONDUCTOR, first, last, RANGE) \
+        if (MCV_WITH_METALLIC) \
+            MCV_RANGE_OF_TYPE(MCV_MATERIAL_METALLIC_ROUGHNESS, first, last, RANGE) \
+        if (MCV_WITH_ROUGH_GLASS) MCV_RANGE_OF_TYPE(MCV_MATERIAL_DIELECTRIC, first, last, RANGE) \
     }
 #define MCV_RANGE_OF_TYPE(TYPE, first, last, RANGE) \
     if (glossy.type == TYPE) RANGE(MCV_SHADING_GLOSS, first, last, mcv_shading_as(glossy, TYPE))

@@ -17,12 +17,14 @@
 
 #if MCV_WITH_NEXT_EVENT
 /* Of so many emitters each has some four paths of a slice that sample it; of more, too few to be
- * worked out together. */
-#define MCV_MOST_SORTED (MCV_SLICE / 4u)
+ * worked out together. Without MANY_EMITTERS there are at most MCV_MOST_REACHING. */
+#define MCV_MOST_SORTED \
+    (MCV_SLICE / 4u > MCV_MOST_REACHING ? MCV_SLICE / 4u : (uint)MCV_MOST_REACHING)
 
 /* Up to so many, a slice's paths are asked for each of them; more are sorted. */
 #define MCV_MOST_LISTED 16u
 
+#if MCV_WITH_MANY_EMITTERS
 /* One path. */
 MCV_BATCH void mcv_sample_emitter_alone(mcv_world world, mcv_slot slot) {
     const mcv_receiver at = mcv_receiver_of(mcv_make_interaction(world, slot));
@@ -30,6 +32,7 @@ MCV_BATCH void mcv_sample_emitter_alone(mcv_world world, mcv_slot slot) {
     mcv_put_shadow(world, slot, at, emitter,
                    mcv_sample_towards(world, at, emitter, mcv_draw(slot, 0, MCV_PAIR_EMITTER)));
 }
+#endif
 
 /* Whether chosen paths, in ascending order, lie side by side: these are then read as rows. */
 MCV_FUNCTION int mcv_is_row(const uint *chosen, uint count) {
@@ -196,11 +199,13 @@ MCV_BATCH void mcv_sample_emitter_rows(mcv_world world, mcv_slot slot, uint firs
     const uint *emitters = slot.base + MCV_PATH_emitter * MCV_ROW;
     const uint count = world.frame->emitter_count;
     uint begins[MCV_MOST_SORTED + 1], sorted[MCV_ROW];
+#if MCV_WITH_MANY_EMITTERS
     if (count > MCV_MOST_SORTED) {
         for (slot.index = first; slot.index < last; ++slot.index)
             if (emitters[slot.index] != MCV_NONE) mcv_sample_emitter_alone(world, slot);
         return;
     }
+#endif
     const int few = count <= MCV_MOST_LISTED;
     if (!few) mcv_sort_by_emitter(emitters, first, last, count, begins, sorted);
     for (uint k = 0; first < last && k < count; ++k) {

@@ -13,7 +13,7 @@
 #include "schedule/small_scene_cache.h"
 #include "schedule/vectorize.h"
 
-MCV_LOOP_FUNCTION void mcv_find_triangles(mcv_world world, uint *paths, uint first, uint last) {
+MCV_BATCH void mcv_find_triangles(mcv_world world, uint *paths, uint first, uint last) {
     MCV_VECTORIZE_MASKED
     MCV_EACH_PATH (slot, paths, first, last) mcv_find_triangle(world, slot);
 }

@@ -18,8 +18,11 @@ typedef struct mcv_packet {
     mcv_hit hits[MCV_PACKET];
 } mcv_packet;
 
-MCV_LOOP_FUNCTION void mcv_packet_setup(mcv_rows origins, mcv_rows directions, const uint *numbers,
-                                        uint count, float extent, mcv_hits hits, mcv_packet *p) {
+/* Not inlined, as all rays of a program begin in the same way. */
+static inline __attribute__((noinline)) void mcv_packet_setup(mcv_rows origins, mcv_rows directions,
+                                                              const uint *numbers, uint count,
+                                                              float extent, mcv_hits hits,
+                                                              mcv_packet *p) {
     for (uint first = 0; first < count; first += MCV_LANES) {
         uint own[MCV_LANES]; /* the last ray in place of those that are missing */
         mcv_lane_slabs slabs;

@@ -792,8 +792,9 @@ static int close_gloss(void **state) {
 
 static int open_gloss(void **state) {
     element_features = MCV_FEATURE_BIT(GLOSS) | MCV_FEATURE_BIT(ANISOTROPY) |
-                       MCV_FEATURE_BIT(TEXTURE) | MCV_FEATURE_BIT(DIELECTRIC) |
-                       MCV_FEATURE_BIT(COATING);
+                       MCV_FEATURE_BIT(METAL) | MCV_FEATURE_BIT(METALLIC) |
+                       MCV_FEATURE_BIT(ROUGH_GLASS) | MCV_FEATURE_BIT(TEXTURE) |
+                       MCV_FEATURE_BIT(DIELECTRIC) | MCV_FEATURE_BIT(COATING);
     return open_device(state);
 }
 
