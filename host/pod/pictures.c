@@ -4,6 +4,7 @@
 #include "core/basics.h"
 
 #include "check/setup_page.h"
+#include "experiment/judge.h"
 #include "experiment/run_set.h"
 #include "io/html.h"
 #include "io/thumbnail.h"
@@ -75,7 +76,9 @@ static mcv_result load_flawless(const shown *s, const mcv_set_texts texts, mcv_s
     size_t count = 0;
     if (!items) return mcv_fail(error, MCV_FAILED, "no memory for a set of parameters");
     for (size_t i = 0; i < most; ++i) {
-        const char *item = i < e->set.count ? e->set.items[i] : texts[i - e->set.count];
+        const bool given = i < e->set.count;
+        const char *item = given ? e->set.items[i] : texts[i - e->set.count];
+        if (!given && mcv_judge_has(s->sweep->plan.parameters + i - e->set.count)) continue;
         if (!is_of_defect(item)) items[count++] = item;
     }
     document.root = s->flawless;

@@ -70,6 +70,12 @@ static const char dented[] =
     "[0,0,0.1],\"extensions\":{\"MCVISI_sensors\":{\"sensor\":0}}},{\"name\":\"sky\","
     "\"extensions\":{\"MCVISI_emitters\":{\"emitter\":0}}}]}";
 
+static size_t count_pictures(const char *page) {
+    size_t pictures = 0;
+    for (const char *at = page; (at = strstr(at, "data:image/png;base64,")); ++at) ++pictures;
+    return pictures;
+}
+
 static void test_pictures(void **state) {
     (void)state;
     write_file("d.gltf", dented);
@@ -80,14 +86,28 @@ static void test_pictures(void **state) {
         "\"dark\", \"threshold\": \"0.502\"}}");
     program_well("pod dents.json");
     const char *page = read_whole("dents-pod.html");
-    size_t pictures = 0;
-    for (const char *at = page; (at = strstr(at, "data:image/png;base64,")); ++at) ++pictures;
-    assert_int_equal(pictures, 9);
+    assert_int_equal(count_pictures(page), 9);
     const char *seen = strstr(page, "What the camera sees"), *setup = strstr(page, "The set-up");
     assert_true(seen && setup && seen < setup && strstr(setup, "<svg"));
     assert_non_null(strstr(page, "<th>0.0005<td>"));
     assert_non_null(strstr(page, "<th>0.0009<td>"));
     assert_non_null(strstr(page, "<th>0.0014<td>"));
+}
+
+/* Parameters of a program are none of the scene without the defect. */
+static void test_pictures_where_a_program_judges(void **state) {
+    (void)state;
+    write_file("d.gltf", dented);
+    write_file("yes.py", "import sys\n"
+                         "for line in sys.stdin:\n"
+                         "    print('{\"fine\": true}', flush=True)\n");
+    write_file("judged.json",
+               "{\"rig\": \"d.gltf\", \"vary\": [\"defects/nick/size=0.5mm..1.4mm:10\", "
+               "\"process/limit=3\"], \"metric\": [\"dark:=1-mean\", "
+               "\"fine:=worker(python3 yes.py)\"], \"electrons-per-unit\": 1000, \"spp\": 4, "
+               "\"pod\": {\"size\": \"size\", \"signal\": \"dark\", \"threshold\": \"0.502\"}}");
+    program_well("pod judged.json --allow-exec");
+    assert_int_equal(count_pictures(read_whole("judged-pod.html")), 9);
 }
 
 /* With common random numbers all sets have one noise: that of one pixel does not scatter. */
@@ -170,9 +190,13 @@ static void test_wrong_files(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        FRESH(test_pictures, scene),     FRESH(test_study, scene),
-        FRESH(test_common_noise, scene), FRESH(test_program, scene),
-        FRESH(test_wrong_files, scene),  FRESH(test_whose_noise_is_common, scene),
+        FRESH(test_pictures, scene),
+        FRESH(test_pictures_where_a_program_judges, scene),
+        FRESH(test_study, scene),
+        FRESH(test_common_noise, scene),
+        FRESH(test_program, scene),
+        FRESH(test_wrong_files, scene),
+        FRESH(test_whose_noise_is_common, scene),
     };
     return cmocka_run_group_tests(tests, enter_folder, leave_folder);
 }
