@@ -186,6 +186,11 @@ static mcv_result count_sets(int design, const mcv_levels *levels, size_t parame
                         MCV_DESIGN_PARAMETERS);
     if (space && points == 0)
         return mcv_fail(error, MCV_USAGE, "this design needs --points N, the number of sets");
+    if (!space && points > 0)
+        return mcv_fail(error, MCV_USAGE,
+                        "--points %zu is of --design lhs and sobol: name one of them, or write the "
+                        "number of steps as FROM..TO:N",
+                        points);
     for (size_t p = 0; p < parameters && !space; ++p) {
         if (levels[p].count == 0)
             return mcv_fail(

@@ -79,6 +79,9 @@ static void test_designs_ties_and_where(void **state) {
                  "nodes/stand/translation/z=-1,-2 --design list --metric mean --spp "
                  "4 -o l.csv");
     assert_int_equal(count_lines(read_whole("l.csv")), 3);
+    /* A number of points says nothing of combinations, and is not left unheard. */
+    program_fails("sweep s.gltf --vary emitters/panel/radiance=1,2 --points 3 --metric mean", 2,
+                  "--points 3 is of --design lhs and sobol");
 }
 
 /* Renders end when the metric is exact enough, and not before; its own limit is the number of

@@ -160,6 +160,9 @@ static void test_wrong_levels(void **state) {
                      MCV_USAGE);
     assert_int_equal(mcv_design_make(MCV_DESIGN_SOBOL, &open, 1, 0, 0, &values, &sets, &error),
                      MCV_USAGE);
+    assert_int_equal(mcv_design_make(MCV_DESIGN_LIST, many, 1, 3, 0, &values, &sets, &error),
+                     MCV_USAGE);
+    assert_non_null(strstr(error.text, "--points 3"));
 }
 
 int main(void) {
