@@ -76,6 +76,8 @@ def type_of(name: str, option: Dict[str, Any]) -> str:
         return "Box"
     if "enum" in option:
         return "Literal[%s]" % ", ".join('"%s"' % word for word in option["enum"])
+    if "anyOf" in option and name == "output":
+        return "Files"
     if "anyOf" in option:
         return "Named" if name in NAMED else "Texts"
     if "pattern" in option:
@@ -402,9 +404,10 @@ FUNCTIONS = [
         "new",
         "new",
         "A rig around a part (.stl, .glb, .gltf): standard optics that frame it, and a light.\n\n"
-        'kind: "telecentric", "entocentric", "lightfield" or "transparent".\n'
+        'kind: "telecentric", "entocentric", "lightfield", "transparent" or "laser".\n'
         "Without `output` no file is written. The rig's `report` says what was chosen.",
-        'kind: Literal["telecentric", "entocentric", "lightfield", "transparent"]; part: Path',
+        'kind: Literal["telecentric", "entocentric", "lightfield", "transparent", "laser"]; '
+        "part: Path",
         "Rig",
         "from mcvisi.rigs import new_rig\n\nreturn new_rig(kind, part, options)",
     ),
@@ -426,6 +429,18 @@ FUNCTIONS = [
         "films: Sequence[Path]",
         "Image",
         "from mcvisi.image import merged\n\nreturn merged(films, options)",
+    ),
+    Verb(
+        "triangulate",
+        "triangulate",
+        "Heights [m] from images of a laser line: an image with errors, a row for each of them.\n"
+        "part() gives x, y, place and mask; NaN: nothing is seen. `report` has the figures.\n\n"
+        "images: one or several of one camera, files or those of Image.camera.\n"
+        "laser: the node in the images' headers whose x-z plane is the light's.",
+        "images: Union[Path, Image, Sequence[Union[Path, Image]]]; laser: str",
+        "Image",
+        "from mcvisi.triangulation import heights\n\nreturn heights(images, laser, options)",
+        without="laser",
     ),
     Verb(
         "pod_table",
@@ -464,6 +479,7 @@ if TYPE_CHECKING:
     from mcvisi.options import (
         Box,
         Boxes,
+        Files,
         Lines,
         Named,
         Path,

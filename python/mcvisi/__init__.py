@@ -13,7 +13,7 @@ Lengths are in metres, angles in radians, times in seconds, unless a text gives 
 Failures are exceptions with one sentence: mcvisi.Error and its classes.
 """
 
-from mcvisi._verbs import import_lens, merge, new, pod_table, pod_values
+from mcvisi._verbs import import_lens, merge, new, pod_table, pod_values, triangulate
 from mcvisi._version import __version__
 from mcvisi.detection import Detection
 from mcvisi.errors import BadInput, DeviceError, Error, PathError, UsageError
@@ -64,4 +64,5 @@ __all__ = [
     "pod_table",
     "pod_values",
     "read",
+    "triangulate",
 ]

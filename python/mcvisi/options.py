@@ -24,6 +24,7 @@ Lines = Union[Mapping[str, Union[Box, Sequence[Sequence[float]]]], Sequence[str]
 Named = Union[Mapping[str, Quantity], Sequence[str], str]
 Texts = Union[Sequence[str], str]
 Path = Union[str, "os.PathLike[str]"]
+Files = Union[Path, Sequence[Path]]
 # A sweep's values of a parameter: a list, a range of mcvisi.linear or mcvisi.log, or a text.
 Values = Union[Sequence[Quantity], str]
 
@@ -49,6 +50,11 @@ def _text(value: Any, name: str) -> str:
 
 def _is_list(value: Any) -> bool:
     return hasattr(value, "__iter__") and not isinstance(value, (str, bytes, Mapping))
+
+
+def listed(value: Any) -> List[Any]:
+    """One or several, as a list."""
+    return list(value) if _is_list(value) else [value]
 
 
 def joined(value: Any, name: str, sign: str = ",") -> str:
@@ -105,6 +111,8 @@ def _value(option: str, value: Any) -> Any:
     name = REPEATED[option][0] if option in REPEATED else option.replace("-", "_")
     if option in REPEATED:
         return _named(value, name, REPEATED[option][1])
+    if option == "output" and _is_list(value):
+        return [_plain(item, name) for item in value]
     if option == "pod" and isinstance(value, Mapping):
         return json.loads(options_json(value))
     if option in _SIGNS:

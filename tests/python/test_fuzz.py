@@ -73,6 +73,9 @@ WORK = {
     "views": lambda n, rig, image: image.views(**options(n, image.views)),
     "gradient": lambda n, rig, image: image.emd_gradient(**options(n, image.emd_gradient)),
     "compare": lambda n, rig, image: mv.compare(image, n.choice([image, junk(n)])),
+    "triangulate": lambda n, rig, image: mv.triangulate(
+        n.choice([image, [image, image], junk(n)]), junk(n), **options(n, mv.triangulate)
+    ),
     "session": lambda n, rig, image: mv.Session(device=junk(n), schedule=junk(n)),
 }
 
