@@ -77,6 +77,11 @@ static mcv_result read_aperture(const char *path, const mcv_exr *exr, mcv_apertu
                                      .blades = whole_number(exr, "mcvisi:apertureBlades"),
                                      .order = whole_number(exr, "mcvisi:apertureOrder")};
     if (!word) return MCV_OK;
+    if (word->text && strcmp(word->text, words[MCV_APERTURE_MASK]) == 0)
+        return mcv_fail(error, MCV_BAD_INPUT,
+                        "%s: the speckle of an aperture of shape \"%s\" is not known: render with "
+                        "disc, ring, half, blades or coded",
+                        path, word->text);
     for (int i = MCV_APERTURE_DISC; i <= MCV_APERTURE_CODED; ++i) {
         aperture->shape = i;
         if (word->text && strcmp(word->text, words[i]) == 0 && mcv_aperture_is_valid(aperture))

@@ -93,7 +93,7 @@ enum { MCV_MAX_STAGES = 16 };
 typedef struct mcv_render_stats {
     char device[256];   /* with several, their names joined by " + " */
     char driver[256];   /* its version; empty for the reference; of the first device */
-    char features[256]; /* names, separated by spaces */
+    char features[512]; /* names, separated by spaces */
     uint64_t paths;     /* begun */
     uint64_t rays, shadow_rays;
     uint64_t depth_cut; /* paths ended by the depth limit */

@@ -281,18 +281,20 @@ mcv_line_place mcv_line_find(const mcv_line_settings *settings, const float *val
 double mcv_line_speckle_noise(double contrast, double grain, double sigma, double height) {
     /* In λN; x - x' = u and the middle of both are independent: ∫ x x' E E' = (s²/2 - u²/4) ·
      * exp(-u²/(4 s²))/(2 s √π). Beyond 6 s the factor is 1e-4 of its largest, and |µ|² below 1e-3
-     * of 1. */
-    enum { STEPS = 400 };
+     * of 1. |µ|² has no period below 1: two steps for each tell all of it. */
+    enum { LEAST_STEPS = 400, MOST_STEPS = 4096 };
     const double s = sigma / grain, h = height / grain, wide = 6 * s;
+    const int across = (int)fmin(fmax(LEAST_STEPS, ceil(2 * wide)), MOST_STEPS),
+              along = (int)fmin(fmax(LEAST_STEPS, ceil(2 * h)), MOST_STEPS);
     double sum = 0;
-    for (int i = 0; i < STEPS; ++i)
-        for (int j = 0; j < STEPS; ++j) {
-            const double u = (i + 0.5) / STEPS * wide, v = (j + 0.5) / STEPS * h,
+    for (int i = 0; i < across; ++i)
+        for (int j = 0; j < along; ++j) {
+            const double u = (i + 0.5) / across * wide, v = (j + 0.5) / along * h,
                          r = M_PI * hypot(u, v), field = 2 * j1(r) / r;
             sum +=
                 (s * s / 2 - u * u / 4) * exp(-u * u / (4 * s * s)) * (1 - v / h) * field * field;
         }
-    const double area = wide / STEPS * h / STEPS;
+    const double area = wide / across * h / along;
     /* Four quadrants; pairs of a row: 2 ∫ (1 - v/h)/h. */
     return contrast * grain * sqrt(fmax(4 * sum * area / (2 * s * sqrt(M_PI) * h), 0));
 }

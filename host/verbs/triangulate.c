@@ -7,6 +7,7 @@
 #include "io/picture_header.h"
 #include "verbs/measure.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
@@ -77,23 +78,42 @@ static mcv_result find_node(const mcv_subject *s, const char *name, const char *
                     option, name);
 }
 
-static bool are_equal(const mcv_transform *a, const mcv_transform *b) {
-    return memcmp(a->m, b->m, sizeof a->m) == 0;
+/* The node in the axes of another, both without scale. */
+static mcv_transform in_axes_of(const mcv_transform *axes, const mcv_transform *node) {
+    mcv_transform back = {{0}};
+    for (int i = 0; i < 3; ++i)
+        for (int k = 0; k < 3; ++k) {
+            back.m[3 * i + k] = axes->m[3 * k + i];
+            back.m[9 + i] -= axes->m[3 * k + i] * axes->m[9 + k];
+        }
+    return mcv_transform_compose(&back, node);
 }
 
-/* Where laser and frame are in this image. */
+/* But for rounding: an entry sums at most six products of matrices, each of whose entries was
+ * itself rounded about as often; `reach` is the largest of their factors. */
+static bool are_equal(const mcv_transform *a, const mcv_transform *b, double reach) {
+    for (int i = 0; i < 12; ++i)
+        if (!(fabs(a->m[i] - b->m[i]) <= 36 * DBL_EPSILON * (i < 9 ? 1 : reach))) return false;
+    return true;
+}
+
+/* Where laser and frame are in this image. What counts is how they move against each other: a head
+ * may pass over a part at rest. */
 static mcv_result place_laser(mcv_profiles *p, const mcv_subject *s, mcv_transform *laser,
                               mcv_transform *frame, mcv_error *error) {
     const mcv_command *c = p->command;
     MCV_TRY(find_node(s, c->laser, "--laser", laser, error));
     *frame = *laser;
     if (c->frame) MCV_TRY(find_node(s, c->frame, "--frame", frame, error));
-    if (p->added == 0) p->frame = *frame;
-    const bool stays = are_equal(frame, &p->frame);
+    const mcv_transform relative = c->frame ? in_axes_of(laser, frame) : mcv_transform_identity();
+    double reach = 0;
+    for (int k = 9; k < 12; ++k) reach += fabs(laser->m[k]) + fabs(frame->m[k]);
+    if (p->added == 0) p->frame = relative;
+    const bool stays = are_equal(&relative, &p->frame, reach);
     if (c->feed[0] != 0 && !stays)
         return mcv_fail(error, MCV_USAGE,
                         "--frame %s moves from image to image by itself: leave out --feed",
-                        c->frame ? c->frame : c->laser);
+                        c->frame);
     if (c->feed[0] == 0 && stays && p->added > 0)
         return mcv_fail(error, MCV_USAGE,
                         "%s: nothing tells how far the part has moved from image to image: give "

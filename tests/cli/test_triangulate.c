@@ -37,9 +37,12 @@ static int make_images(void **state) {
     program_well("render head.gltf --spp 256 --device reference -o high.exr");
     program_well("render head.gltf --spp 256 --device reference -o low.exr "
                  "--set 'nodes/plate/translation=[0,-0.0053,0.0002]'");
+    program_well("render head.gltf --spp 256 --device reference -o ahead.exr --set "
+                 "'nodes/camera/target=[0,0,0.0002]' --set 'nodes/laser/target=[0,0,0.0002]'");
     program_well("render head.gltf --lasers 4 --spp 64 --device reference -o laser.exr");
     program_well("camera high.exr --expose-to 0.5 --wavelength 660nm -o 0.exr");
     program_well("camera low.exr --expose-to 0.5 --wavelength 660nm -o 1.exr");
+    program_well("camera ahead.exr --expose-to 0.5 --wavelength 660nm -o 2.exr");
     program_well("camera high.exr --expose-to 0.2 --wavelength 660nm --speckle laser.exr "
                  "-o speckled.exr");
     program_well("camera high.exr --expose-to 0.5 --wavelength 660nm -o 0.png");
@@ -87,6 +90,22 @@ static void test_heights(void **state) {
         if (!(fabs(row_mean("p.exr", "y", row) - 5e-3) <= 6e-6))
             fail_msg("the plate's top is at %g m", row_mean("p.exr", "y", row));
     assert_true(fabs(row_mean("p.exr", "image", 1) - row_mean("p.exr", "image", 0) + 2e-4) <= 1e-9);
+}
+
+/* A head that passes over a plate at rest: in the plate's coordinates its line goes along; in those
+ * of the laser nothing tells of the way, but --feed. */
+static void test_moving_head(void **state) {
+    (void)state;
+    program_well("triangulate 0.exr 2.exr --laser laser --frame plate -o h.exr");
+    assert_true(fabs(row_mean("h.exr", "image", 1) - row_mean("h.exr", "image", 0) - 2e-4) <= 1e-9);
+    for (uint32_t row = 0; row < 2; ++row)
+        if (!(fabs(row_mean("h.exr", "y", row) - 5e-3) <= 6e-6))
+            fail_msg("the plate's top is at %g m", row_mean("h.exr", "y", row));
+    program_fails("triangulate 0.exr 2.exr --laser laser", 2, "give --feed D, or --frame NODE");
+    program_fails("triangulate 0.exr 2.exr --laser laser --frame plate --feed 0.2mm", 2,
+                  "--frame plate moves from image to image by itself: leave out --feed");
+    program_well("triangulate 0.exr 2.exr --laser laser --feed 0.2mm -o h.exr");
+    assert_true(fabs(row_mean("h.exr", "y", 1) - row_mean("h.exr", "y", 0) + 2e-4) <= 1e-9);
 }
 
 /* A place in pixels needs no header but that of grey values; extractors agree. */
@@ -206,9 +225,9 @@ static void test_bad_input(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_heights),   cmocka_unit_test(test_places),
-        cmocka_unit_test(test_speckle),   cmocka_unit_test(test_rig),
-        cmocka_unit_test(test_bad_input),
+        cmocka_unit_test(test_heights), cmocka_unit_test(test_moving_head),
+        cmocka_unit_test(test_places),  cmocka_unit_test(test_speckle),
+        cmocka_unit_test(test_rig),     cmocka_unit_test(test_bad_input),
     };
     return cmocka_run_group_tests(tests, make_images, leave_folder);
 }

@@ -130,6 +130,13 @@ static void test_speckle_integral(void **state) {
                          table[s][h]);
         }
     assert_true(fabs(mcv_line_speckle_noise(0.5, 2, 4, 4) - 0.358) <= 0.0011);
+    /* A thick line averages over its width alone: four times the width, twice the noise, but for
+     * the tail of |µ|², which falls as r⁻³ and is cut off at the width: some 1/50 of a grain of 50.
+     */
+    const double thick = mcv_line_speckle_noise(1, 1, 50, 5),
+                 thicker = mcv_line_speckle_noise(1, 1, 200, 5);
+    if (!(fabs(thicker / thick / 2 - 1) <= 0.02))
+        fail_msg("sigma 50: %g, sigma 200: %g, expected %g", thick, thicker, 2 * thick);
 }
 
 /* Sums of a place's deviations. */
