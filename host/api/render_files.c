@@ -95,6 +95,22 @@ static mcv_result tell_note(files_call *c, const char *severity, const char *sen
     return tell_report(c, &report, false, error);
 }
 
+/* An image that stays: in JSON an object as of one that is rendered. */
+static mcv_result tell_kept(files_call *c, const mcv_scene *scene, uint32_t sensor,
+                            const mcv_render_files *files, const char *sentence, mcv_error *error) {
+    mcv_report report;
+    MCV_TRY(mcv_report_keep(&report, c->given.command.json, error));
+    mcv_report_tell(&report, "note", sentence);
+    if (report.json) {
+        mcv_report_text(&report, "scene", scene->path);
+        mcv_report_text(&report, "sensor", scene->sensors[sensor].name);
+        mcv_report_text(&report, "image", files->exr);
+        mcv_report_text(&report, "preview", files->png);
+        mcv_report_flag(&report, "kept", true);
+    }
+    return tell_report(c, &report, false, error);
+}
+
 /* A checkpoint is there to go on with, or to be told of. */
 static mcv_result tell_checkpoint(files_call *c, const mcv_saves *saves, mcv_error *error) {
     char sentence[PATH_MAX + 160];
@@ -122,7 +138,8 @@ static mcv_result keep_finished(files_call *c, const mcv_scene *scene, uint32_t 
              *kept ? "%s: is finished, and stays"
                    : "%s: is of another render, or has no film: it is rendered anew",
              files->exr);
-    MCV_TRY(tell_note(c, "note", sentence, error));
+    MCV_TRY(*kept ? tell_kept(c, scene, sensor, files, sentence, error)
+                  : tell_note(c, "note", sentence, error));
     return *kept && files->grey[0] ? expose(c, files, error) : MCV_OK;
 }
 

@@ -258,6 +258,10 @@ static void test_finished_parts_stay(void **state) {
     program_well("merge a.film b.film -o ab.exr");
     program_well("render " STOPPED " --samples 0:8 -o ab.exr --resume");
     assert_non_null(strstr(said, "ab.exr: is finished, and stays"));
+    json_t *kept = program_json("render " STOPPED " --samples 0:8 -o ab.exr --resume --json");
+    assert_string_equal(json_string_value(json_object_get(kept, "image")), "ab.exr");
+    assert_true(json_is_true(json_object_get(kept, "kept")));
+    json_decref(kept);
 }
 
 /* The time before counts: a checkpoint that says that all of it has passed ends at once. */
