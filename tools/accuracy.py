@@ -82,6 +82,25 @@ TRUTHS = {
         "MTF of a slanted edge",
         "sinc of the pixel times 2 J1(x)/x of the disc, below Nyquist",
     ),
+    "T27": (
+        "Gaussian beam",
+        "w(z) = w0 sqrt(1 + (z/zR)^2), zR = pi w0^2/(M^2 lambda); I0 = 2 P/(pi w^2); erfc(sqrt2 "
+        "x/w)/2 behind an edge",
+    ),
+    "T28": (
+        "Gaussian beam through a lens",
+        "w^2 = (A w0)^2 + ((A L + B) M^2 lambda/(pi w0))^2 by the matrix of the lens and the way",
+    ),
+    "T29": (
+        "speckle",
+        "C of a pixel p = sqrt(p^-4 iint (p - |x|)(p - |y|) (2 J1(pi r)/(pi r))^2), p in lambda "
+        "N; p(I) = exp(-I)",
+    ),
+    "T30": (
+        "triangulation",
+        "P = C + d (n.(P0 - C))/(n.d); centroids of speckle: a spot's C lambda N/(sqrt2 pi), a "
+        "line's by the double integral",
+    ),
     "bias": (
         "device against reference",
         "image means within what Welch's test would see, that within 0.1 %",
@@ -105,7 +124,6 @@ NOT_HERE = {
     "T14": "per polarisation: light is unpolarised at each interface; the formula holds with the mean R",
     "T25": "diffraction: a camera's (`mcvisi camera`), tested in test_edge.c; rays know none",
     "T26": "noise of cameras: test_camera.c and, against the standard's program, test_emva1288_peer.c",
-    "T27": "to T30, lasers: coherent light is not simulated",
 }
 
 

@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Speckle: its contrast in pixels of any size, its statistics, what makes it fainter, and the
  * camera that reads it. */
+/* ctest: label truth */
 #include "scene_builder.h"
+#include "truths.h"
 
 #include "analysis/read_speckle.h"
 #include "analysis/speckle.h"
@@ -86,6 +88,9 @@ static void test_contrast_of_pixels(void **state) {
         print_message("p/(λN) = %g: contrast %.4f, expected %.3f (%+.2f %%); mean %.4f\n",
                       cases[i].ratio, seen, cases[i].contrast, 100 * (seen / cases[i].contrast - 1),
                       mean);
+        char what[96];
+        snprintf(what, sizeof what, "T29 contrast of square pixels of %g grains", cases[i].ratio);
+        note_truth(what, "program", fabs(seen / cases[i].contrast - 1), 0.01);
         if (!(fabs(seen / cases[i].contrast - 1) <= 0.01) || !(fabs(mean - 1) <= 0.015))
             fail_msg("p/(λN) = %g: contrast %g, expected %g; mean %g", cases[i].ratio, seen,
                      cases[i].contrast, mean);
@@ -107,6 +112,8 @@ static void test_what_makes_it_fainter(void **state) {
         const double seen = contrast_of(0.25, 256, cases[i][0], cases[i][1], 4, &mean) / whole;
         print_message("polarisation %g, %g patterns: %.4f, expected %.4f\n", cases[i][0],
                       cases[i][1], seen, cases[i][2]);
+        note_truth("T29 contrast of two polarisations and of 2, 2.5 and 3 patterns", "program",
+                   fabs(seen / cases[i][2] - 1), 0.03);
         if (!(fabs(seen / cases[i][2] - 1) <= 0.03))
             fail_msg("polarisation %g, %g patterns: %g, expected %g", cases[i][0], cases[i][1],
                      seen, cases[i][2]);
@@ -151,6 +158,9 @@ static void test_exponential(void **state) {
         }
         print_message("%d patterns, %zu values: distance %.4f, limit %.4f\n", patterns, n, distance,
                       1.95 / sqrt((double)n) + 0.002);
+        if (patterns == 1)
+            note_truth("T29 exponential statistics: Kolmogorov-Smirnov distance", "program",
+                       distance, 1.95 / sqrt((double)n) + 0.002);
         assert_int_equal(distance <= 1.95 / sqrt((double)n) + 0.002, patterns == 1);
     }
 }
@@ -246,6 +256,8 @@ static void test_apertures(void **state) {
                      disc = pow(disc_field(hypot(right, down)), 2);
         print_message("case %zu: covariance %.4f, expected %.4f, of the disc %.4f\n", i, seen,
                       expected, disc);
+        note_truth("T29 covariance through rings, halves, blades and codes", "program",
+                   fabs(seen - expected), 0.07);
         if (!(fabs(seen - expected) <= 0.07))
             fail_msg("case %zu: covariance %g, expected %g", i, seen, expected);
     }

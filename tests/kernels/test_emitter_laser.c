@@ -1,7 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
+/* ctest: label truth */
 /* The laser: its beam's width at every distance, the power that passes an edge, what a fan brings
  * to each part of a line, what is refused. */
 #include "image_emitters.h"
+#include "truths.h"
 
 #include "reference/laser.h"
 #include "scene/emitters.h"
@@ -73,6 +75,9 @@ static void test_rays_are_a_beam(void **state) {
                          seen = 2 * sqrt(sums[k] / RAYS), share = passed[k] / RAYS;
             print_message("%g m, axis %d: radius %.6g m, expected %.6g; behind the edge %.4f\n",
                           distances[d], k, seen, w, share);
+            note_truth("T27 rays: radius at four distances", "device", fabs(seen / w - 1), 0.0125);
+            note_truth("T27 rays: share behind a knife edge", "device", fabs(share - below(0.4, 1)),
+                       0.009);
             if (!(fabs(seen / w - 1) <= 0.0125) || !(fabs(share - below(0.4, 1)) <= 0.009))
                 fail_msg("%g m, axis %d: radius %g m, expected %g; %g behind the edge, expected %g",
                          distances[d], k, seen, w, share, below(0.4, 1));
@@ -173,10 +178,16 @@ static void test_beam_on_a_wall(void **state) {
                 const double expected = power * (below(x + step, w[0]) - below(x, w[0])) *
                                         (below(y + step, w[1]) - below(y, w[1]));
                 left += seen;
+                note_truth("T27 beam on a wall: irradiance over its peak 2P/(pi w^2)",
+                           reference ? "reference" : "device", fabs(seen - expected) / peak,
+                           reference ? 2e-2 : 2e-3);
                 if (!(fabs(seen - expected) <= (reference ? 2e-2 : 2e-3) * peak))
                     fail_msg("%s: pixel (%d, %d) gets %g W, expected %g",
                              reference ? "reference" : "device", column, row, seen, expected);
             }
+            note_truth("T27 beam on a wall: share that passes a knife edge",
+                       reference ? "reference" : "device",
+                       fabs(left / power - below(x + step, w[0])), 1e-3);
             if (!(fabs(left / power - below(x + step, w[0])) <= 1e-3))
                 fail_msg("%s: %g of the power before the edge at %g m, expected %g",
                          reference ? "reference" : "device", left / power, x + step,
@@ -253,6 +264,8 @@ static void test_lines_on_a_wall(void **state) {
                          w = radius(3e-4, 3, rho - 0.1),
                          seen =
                              2 * sqrt(squares / sum - pow(mean / sum, 2) - pow(row_height, 2) / 12);
+            note_truth("T27 line on a wall: thickness", reference ? "reference" : "device",
+                       fabs(seen / w - 1), 0.01);
             if (!(fabs(mean / sum - bent) <= 1e-5) || !(fabs(seen / w - 1) <= 0.01))
                 fail_msg("%s, \"%s\": column %d is %g m thick and %g m aside, expected %g and %g",
                          reference ? "reference" : "device", profiles[profile], column, seen,

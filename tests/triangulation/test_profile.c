@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Profiles: heights from drawn lines, their uncertainty by the closed form, straight lines. */
+/* ctest: label truth */
 #include "scene_builder.h"
+#include "truths.h"
 
 #include "triangulation/profile.h"
 
@@ -112,6 +114,10 @@ static void test_heights(void **state) {
             }
             print_message("camera %d, shape %d: %.3g of the resolution\n", type, shape,
                           largest / resolution);
+            note_truth(shape == 0   ? "T30 heights of a plane [resolution]"
+                       : shape == 1 ? "T30 heights of a slope [resolution]"
+                                    : "T30 heights of stairs [resolution]",
+                       "program", largest / resolution, 1e-4);
             if (!(largest <= 1e-4 * resolution) || !(furthest <= 1e-12))
                 fail_msg("camera %d, shape %d: z is off by %g m, y by %g m", type, shape, largest,
                          furthest);
