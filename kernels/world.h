@@ -58,12 +58,21 @@ typedef MCV_JOIN(mcv_, MCV_SENSOR, ) mcv_sensor;
 #define MCV_WORLD_PARAMETER(space, type, name, what, bytes, data) space type *name,
 #define MCV_WORLD_ARGUMENT(space, type, name, what, bytes, data) world.name = name;
 #define MCV_WORLD_PARAMETERS MCV_BUFFERS(MCV_WORLD_PARAMETER)
+#if MCV_WITH_MOVING
+#define MCV_WORLD_AT_REST(world) world.pose = mcv_pose_at(&world.frame->part_motion, 0.0f);
+#else
+#define MCV_WORLD_AT_REST(world)
+#endif
 #define MCV_MAKE_WORLD(world) \
     mcv_world world; \
-    MCV_BUFFERS(MCV_WORLD_ARGUMENT)
+    MCV_BUFFERS(MCV_WORLD_ARGUMENT) \
+    MCV_WORLD_AT_REST(world)
 
 typedef struct mcv_world {
     MCV_BUFFERS(MCV_WORLD_FIELD)
+#if MCV_WITH_MOVING
+    mcv_pose pose; /* of the moving parts, at the time of a path (path/time.h) */
+#endif
 } mcv_world;
 
 /* Whether a hit is on an exact surface, not on a triangle. */

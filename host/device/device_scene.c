@@ -5,7 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-#include "accel/bvh.h"
+#include "device/hierarchy.h"
 #include "device/light.h"
 #include "scene/motion.h"
 #include "scene/sensors.h"
@@ -164,14 +164,14 @@ typedef struct mcv_hierarchy_build {
     bool own_thread;
     pthread_t thread;
     mcv_bvh bvh;
+    uint32_t moving[2]; /* where the part of what moves begins */
     mcv_result result;
     mcv_error error;
 } mcv_hierarchy_build;
 
 static void *build_hierarchy(void *user) {
     mcv_hierarchy_build *b = user;
-    b->result = mcv_bvh_build(b->packed->positions, b->packed->indices, b->packed->triangle_count,
-                              b->threads, &b->bvh, &b->error);
+    b->result = mcv_build_hierarchy(b->packed, b->threads, &b->bvh, b->moving, &b->error);
     return NULL;
 }
 
@@ -183,7 +183,8 @@ static mcv_result keep_structure(mcv_cl *cl, mcv_device_scene *kept, mcv_device_
     device->contents[MCV_BUFFER_positions] =
         digest((mcv_digest){0}, p->positions, 12 * (size_t)p->vertex_count);
     device->indices_digest = digest((mcv_digest){0}, p->indices, 12 * (size_t)p->triangle_count);
-    if (!kept || !kept->nodes || !same(&kept->indices_digest, &device->indices_digest))
+    if (!kept || !kept->nodes || p->moves || kept->packed.moves ||
+        !same(&kept->indices_digest, &device->indices_digest))
         return MCV_OK;
     if (!same(kept->contents + MCV_BUFFER_positions, device->contents + MCV_BUFFER_positions))
         return move_structure(cl, kept, device, error);
@@ -243,6 +244,7 @@ mcv_result mcv_device_scene_finish(mcv_cl *cl, mcv_device_scene *kept, mcv_devic
     if (result == MCV_OK && !device->kept_structure) {
         device->node_count = b->bvh.node_count;
         device->leaf_count = b->bvh.leaf_count;
+        memcpy(device->moving, b->moving, sizeof device->moving);
     }
     if (result == MCV_OK)
         result = fill_buffers(cl, &b->bvh, kept, device, error);
@@ -331,6 +333,9 @@ mcv_result mcv_device_scene_place(mcv_cl *cl, const mcv_scene *scene, uint32_t s
     frame->environment_element = packed->environment_element;
     mcv_pack_placement(packed, &from->to_world, frame->to_world, frame->to_world_low);
     mcv_motion_prepare(from, &frame->motion);
+    mcv_part_motion_prepare(scene, packed->centre, &frame->part_motion);
+    frame->moving_nodes = device->moving[0];
+    frame->moving_leaves = device->moving[1];
     if (packed->features >> MCV_FEATURE_AIM & 1) {
         const size_t bytes = sizeof(mcv_device_pupil_guide) * frame->width * frame->height;
         MCV_TRY(mcv_cl_buffer(cl, "the pupil guides", bytes, NULL, &device->pupil_guides, error));

@@ -38,6 +38,7 @@ typedef struct mcv_device_scene {
                             triangles have moved */
     mcv_digest indices_digest; /* of the indices it was built for; for the positions see contents */
     uint32_t node_count, leaf_count;
+    uint32_t moving[2];                       /* the first node and leaf of what moves */
     double structure_cost;                    /* when it was built; 0: not yet computed */
     mcv_digest contents[MCV_SCENE_ARGUMENTS]; /* of the buffers */
 } mcv_device_scene;

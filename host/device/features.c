@@ -305,6 +305,8 @@ uint64_t mcv_decide_features(const mcv_scene *scene, const mcv_packed *packed,
         const mcv_instance *instance = &scene->instances[i];
         find_of_material(&f, &scene->materials[instance->material]);
         add(&f, MCV_FEATURE_NORMALS, scene->meshes[instance->mesh].normals, "node", instance->name);
+        add(&f, MCV_FEATURE_MOVING, instance->moves, "node", instance->name);
+        add(&f, MCV_FEATURE_MOTION, instance->moves, "node", instance->name);
     }
     for (uint32_t i = 0; i < scene->emitter_count; ++i) find_of_emitter(&f, &scene->emitters[i]);
     add(&f, MCV_FEATURE_SURFACES, scene->solid_count > 0, "exact surfaces", NULL);
@@ -314,7 +316,7 @@ uint64_t mcv_decide_features(const mcv_scene *scene, const mcv_packed *packed,
     add(&f, MCV_FEATURE_MIXED, options.mixed, "--precision mixed", NULL);
     add(&f, MCV_FEATURE_RECORDS, options.records, "transport", NULL);
     if (sensor) {
-        const bool needs_time = mcv_sensor_needs_time(sensor);
+        const bool needs_time = mcv_needs_time(scene, sensor);
         const char *guiding = find_guiding_emitter(&f, scene, packed, sensor);
         const mcv_lens_map map = mcv_sensor_lens_map(sensor);
         add(&f, MCV_FEATURE_MOTION, needs_time, "sensor", sensor->name);

@@ -135,7 +135,9 @@ static void pack_instances(const mcv_scene *scene, mcv_packed *packed) {
         const mcv_instance *instance = &scene->instances[i];
         packed->instances[i] = (mcv_device_instance){.material = instance->material,
                                                      .emitter = MCV_NONE,
-                                                     .first_triangle = instance->first_triangle};
+                                                     .first_triangle = instance->first_triangle,
+                                                     .moves = instance->moves};
+        packed->moves = packed->moves || instance->moves;
         mcv_pack_instance(scene, packed, i, first_vertex);
         first_vertex += scene->meshes[instance->mesh].vertex_count;
     }

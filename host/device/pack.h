@@ -32,6 +32,7 @@ typedef struct mcv_packed {
     uint64_t features; /* bit MCV_FEATURE_… */
     uint32_t channels;
     mcv_box3d *boxes; /* of the instances in the world */
+    bool moves;       /* some of the instances do */
     double centre[3]; /* world point that is the device's origin, on a power-of-two grid */
 
     uint32_t vertex_count, triangle_count, instance_count, material_count, emitter_count,

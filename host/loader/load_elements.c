@@ -302,12 +302,11 @@ mcv_result mcv_load_sensors(mcv_loader *loader, const json_t *node, const mcv_tr
                             const mcv_json_path *place, mcv_error *error) {
     uint32_t index, camera_index;
     const json_t *cameras = json_object_get(loader->root, "cameras");
-    mcv_sensor_motion motion;
+    mcv_node_motion motion;
     if (loader->is_asset) return MCV_OK;
     MCV_TRY(mcv_load_reference(node, "MCVISI_sensors", "sensor", loader->sensor_count, "sensors",
                                &index, place, error));
-    MCV_TRY(mcv_load_motion(node, index != MCV_NONE || json_object_get(node, "camera"), &motion,
-                            place, error));
+    MCV_TRY(mcv_load_motion(node, &motion, place, error));
     if (index != MCV_NONE) {
         mcv_sensor sensor = loader->sensors[index];
         sensor.motion = motion;

@@ -1,9 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* MCVISI_motion of a sensor's node. */
+/* MCVISI_motion of a node. */
 #include "loader/loader.h"
 
 #include <math.h>
 #include <string.h>
+
+#include "scene/motion.h"
 
 static mcv_result check_keys(const json_t *motion, const mcv_json_path *here, mcv_error *error) {
     static const char *const known[] = {"velocity", "axis", "centre", "rate", "extras"};
@@ -22,19 +24,14 @@ static mcv_result check_keys(const json_t *motion, const mcv_json_path *here, mc
     return MCV_OK;
 }
 
-mcv_result mcv_load_motion(const json_t *node, bool has_sensor, mcv_sensor_motion *motion,
-                           const mcv_json_path *place, mcv_error *error) {
+mcv_result mcv_load_motion(const json_t *node, mcv_node_motion *motion, const mcv_json_path *place,
+                           mcv_error *error) {
     json_t *object = mcv_json_extension(node, "MCVISI_motion");
     const mcv_json_path here = mcv_json_path_key(place, "MCVISI_motion"),
                         axis = mcv_json_path_key(&here, "axis");
-    *motion = (mcv_sensor_motion){0};
+    *motion = (mcv_node_motion){0};
     if (!object) return MCV_OK;
     if (!json_is_object(object)) return mcv_fail_at(&here, error, "must be an object");
-    if (!has_sensor)
-        return mcv_fail_at(&here, error,
-                           "is on a node without a sensor: parts and lights stand still; let the "
-                           "sensor move the other way, which is the same where the light does not "
-                           "change along the way");
     MCV_TRY(check_keys(object, &here, error));
     MCV_TRY(mcv_json_numbers(object, "velocity", 3, -1e6, 1e6, motion->velocity, &here, error));
     MCV_TRY(mcv_json_numbers(object, "axis", 3, -1e6, 1e6, motion->axis, &here, error));
@@ -46,5 +43,24 @@ mcv_result mcv_load_motion(const json_t *node, bool has_sensor, mcv_sensor_motio
     if (motion->rate != 0 && !(length > 0))
         return mcv_fail_at(&axis, error, "is missing: a rate needs an axis [x, y, z]");
     for (int i = 0; i < 3 && length > 0; ++i) motion->axis[i] /= length;
+    return MCV_OK;
+}
+
+mcv_result mcv_load_part_motion(mcv_loader *loader, const json_t *node, const mcv_json_path *place,
+                                mcv_error *error) {
+    const mcv_json_path here = mcv_json_path_key(place, "MCVISI_motion");
+    mcv_node_motion *all = &loader->scene->part_motion, motion;
+    if (json_object_get(node, "camera") || mcv_json_extension(node, "MCVISI_sensors"))
+        return MCV_OK;
+    MCV_TRY(mcv_load_motion(node, &motion, place, error));
+    if (!mcv_moves(&motion)) return MCV_OK;
+    if (loader->moves)
+        return mcv_fail_at(&here, error, "is below a node that moves: give one of them a motion");
+    if (mcv_moves(all) && memcmp(all, &motion, sizeof motion) != 0)
+        return mcv_fail_at(&here, error,
+                           "is another motion than that of a node before: all parts that move do "
+                           "so in one way");
+    *all = motion;
+    loader->moves = true;
     return MCV_OK;
 }

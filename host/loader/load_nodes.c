@@ -3,11 +3,16 @@
 #include "loader/loader.h"
 
 #include "loader/memory.h"
+#include "scene/materials.h"
 #include "scene/transform.h"
 
 static mcv_result place_mesh(mcv_loader *loader, const mcv_instance *instance,
                              const mcv_json_path *place, mcv_error *error) {
     const uint64_t triangles = loader->scene->meshes[instance->mesh].triangle_count;
+    if (instance->moves && loader->scene->part_motion.rate != 0 &&
+        mcv_material_roughness(&loader->scene->materials[instance->material]).anisotropy > 0)
+        return mcv_fail_at(place, error,
+                           "turns and is brushed: give it no anisotropy, or let the sensor turn");
     MCV_TRY(mcv_memory_take(loader->memory, &loader->memory->geometry,
                             MCV_TRIANGLE_BYTES * triangles, place, error));
     return mcv_scene_add_instance(loader->scene, instance, error);
@@ -23,10 +28,27 @@ static mcv_result place_asset(mcv_loader *asset, const char *name, const mcv_tra
                                        .mesh = asset->solid,
                                        .material = asset->asset_material,
                                        .emitter = MCV_NONE,
+                                       .moves = asset->moves,
                                        .to_world = scaled};
         return place_mesh(asset, &instance, place, error);
     }
     return mcv_load_nodes(asset, &scaled, error);
+}
+
+/* Whether the node has brought something that cannot move. */
+static mcv_result check_moving(const mcv_loader *loader, const uint32_t before[3],
+                               const mcv_json_path *place, mcv_error *error) {
+    const mcv_scene *scene = loader->scene;
+    if (!loader->moves) return MCV_OK;
+    if (scene->emitter_count > before[0])
+        return mcv_fail_at(place, error, "moves, but lights stand still: put them on another node");
+    if (scene->sensor_count > before[1])
+        return mcv_fail_at(place, error,
+                           "is a sensor on a part that moves: give it an MCVISI_motion of its own, "
+                           "on a node beside");
+    if (scene->solid_count > before[2])
+        return mcv_fail_at(place, error, "moves, but exact surfaces stand still: make it a mesh");
+    return MCV_OK;
 }
 
 /* `document`: the frame of the document's root in the world. `material`: replaces those of the
@@ -49,7 +71,11 @@ static mcv_result load_node(mcv_loader *loader, uint32_t index, const mcv_transf
                                 error));
     const bool named = loader->scene->frame_count > frame;
     const uint32_t first = loader->scene->instance_count;
+    const uint32_t before[3] = {loader->scene->emitter_count, loader->scene->sensor_count,
+                                loader->scene->solid_count};
+    const bool moved = loader->moves;
     uint32_t mesh;
+    MCV_TRY(mcv_load_part_motion(loader, node, &here, error));
     if (loader->node_materials && loader->node_materials[index] != MCV_NONE)
         material = loader->node_materials[index];
     MCV_TRY(mcv_json_index(node, "mesh", json_array_size(json_object_get(loader->root, "meshes")),
@@ -62,6 +88,7 @@ static mcv_result load_node(mcv_loader *loader, uint32_t index, const mcv_transf
                                            .mesh = loaded->first + i,
                                            .material = material == MCV_NONE ? loaded->materials[i]
                                                                             : material,
+                                           .moves = loader->moves,
                                            .to_world = to_world};
             MCV_TRY(place_mesh(loader, &instance, &here, error));
         }
@@ -73,11 +100,14 @@ static mcv_result load_node(mcv_loader *loader, uint32_t index, const mcv_transf
     MCV_TRY(mcv_load_sensors(loader, node, &to_world, &here, error));
     mcv_loader *asset;
     MCV_TRY(mcv_load_asset_of(loader, node, &asset, &here, error));
+    MCV_TRY(check_moving(loader, before, &here, error));
+    if (asset) asset->moves = loader->moves;
     if (asset) MCV_TRY(place_asset(asset, mcv_json_name(node), &to_world, &here, error));
     const json_t *children = json_object_get(node, "children");
     for (size_t i = 0; i < json_array_size(children); ++i)
         MCV_TRY(load_node(loader, (uint32_t)json_number_value(json_array_get(children, i)),
                           document, &to_world, material, error));
+    loader->moves = moved;
     if (!named) return MCV_OK;
     loader->scene->frames[frame].instances[0] = first;
     loader->scene->frames[frame].instances[1] = loader->scene->instance_count;

@@ -56,6 +56,7 @@ typedef struct mcv_loader {
     mcv_json_path file;
     bool is_asset; /* placed by another document: its cameras, sensors and non-emissive emitters are
                       ignored */
+    bool moves;    /* parts of the node that is being placed do */
     double unit;   /* of an asset's lengths [m] */
     uint32_t solid; /* the scene's mesh of an asset that is an STL file; MCV_NONE for glTF */
     uint32_t asset_material; /* the scene's index of the material that replaces all of an asset's,
@@ -179,9 +180,12 @@ mcv_result mcv_load_preset(mcv_loader *loader, const mcv_preset *preset, const c
                            const mcv_transform *to_world, const mcv_json_path *place,
                            mcv_error *error);
 
-/* load_motion.c: MCVISI_motion of a node; all 0 without. Refused where the node has no sensor. */
-mcv_result mcv_load_motion(const json_t *node, bool has_sensor, mcv_sensor_motion *motion,
-                           const mcv_json_path *place, mcv_error *error);
+/* load_motion.c: MCVISI_motion of a node; all 0 without. On a node without a sensor it moves the
+ * parts on it and below it: sets loader->moves, and the scene's part_motion. */
+mcv_result mcv_load_motion(const json_t *node, mcv_node_motion *motion, const mcv_json_path *place,
+                           mcv_error *error);
+mcv_result mcv_load_part_motion(mcv_loader *loader, const json_t *node, const mcv_json_path *place,
+                                mcv_error *error);
 
 /* load_elements.c: definitions, and what a node places. Instances first … last - 1 are those of the
  * node's mesh. */

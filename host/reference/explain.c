@@ -13,7 +13,8 @@ static void explain_sample(const ref_world *world, const mcv_sensor *sensor,
     ref_random random = ref_random_begin(options->seed, (uint64_t)pixel[1] * width + pixel[0],
                                          trail->contribution.replicate, sample);
     for (int i = 0; i < 4; ++i) place[i] = ref_random_unit(&random);
-    const ref_sensor_ray ray = ref_sensor_ray_draw(sensor, pixel[0], pixel[1], place, &random);
+    const ref_sensor_ray ray =
+        ref_sensor_ray_draw(world->scene, sensor, pixel[0], pixel[1], place, &random);
     ref_path_value(world, &ray, &random, &tally, trail, value);
 }
 

@@ -2,6 +2,7 @@
 /* Rays against triangles, under the tree of boxes. */
 #include "reference/geometry.h"
 
+#include "reference/motion.h"
 #include "reference/solids.h"
 #include "scene/geometry.h"
 #include "scene/materials.h"
@@ -86,8 +87,8 @@ static bool is_among(const uint32_t *numbers, uint32_t count, uint32_t number) {
 }
 
 /* With windings: counts every hit instead of keeping the closest. */
-static bool traverse(const ref_geometry *geometry, const ray *r, const ref_skip *skip,
-                     ref_hit *closest, int *windings) {
+static bool traverse(const ref_geometry *geometry, uint32_t root, const ray *r,
+                     const ref_skip *skip, ref_hit *closest, int *windings) {
     closest->distance = INFINITY;
     closest->triangle = NULL;
     if (!geometry->nodes) return false;
@@ -96,7 +97,7 @@ static bool traverse(const ref_geometry *geometry, const ray *r, const ref_skip 
         double enter; /* where the ray enters its box */
     } stack[STACK_SIZE];
     int top = 0;
-    if (meets_box(r, geometry->nodes, INFINITY, &stack[0].enter)) stack[top++].node = 0;
+    if (meets_box(r, geometry->nodes + root, INFINITY, &stack[0].enter)) stack[top++].node = root;
     while (top > 0) {
         const ref_node *node = &geometry->nodes[stack[--top].node];
         if (stack[top].enter > closest->distance) continue;
@@ -140,7 +141,16 @@ static bool next_hit(const ref_geometry *geometry, ref_vec origin, ref_vec direc
                      const ref_skip *skip, uint32_t begun, ref_hit *hit) {
     const mcv_scene *scene = geometry->scene;
     const ray r = ray_new(origin, direction);
-    traverse(geometry, &r, skip, hit, NULL);
+    traverse(geometry, 0, &r, skip, hit, NULL);
+    if (geometry->moving > 0) {
+        const mcv_node_motion *motion = &scene->part_motion;
+        const ray rest = ray_new(ref_point_at_rest(motion, geometry->time, origin),
+                                 ref_direction_at_rest(motion, geometry->time, direction));
+        ref_hit moving;
+        if (traverse(geometry, geometry->moving, &rest, skip, &moving, NULL) &&
+            moving.distance < hit->distance)
+            *hit = moving;
+    }
     for (uint32_t i = 0; i < REF_PIECES * scene->solid_count; ++i) {
         const ref_triangle *piece = geometry->pieces + i;
         double distances[REF_MEETINGS];
@@ -201,10 +211,19 @@ void ref_add_windings(const ref_geometry *geometry, ref_vec origin, ref_vec dire
     const ray r = ray_new(origin, direction);
     const ref_skip none = {0};
     ref_hit unused;
-    traverse(geometry, &r, &none, &unused, winding);
+    traverse(geometry, 0, &r, &none, &unused, winding);
+    if (geometry->moving > 0) traverse(geometry, geometry->moving, &r, &none, &unused, winding);
     for (uint32_t i = 0; i < geometry->scene->solid_count; ++i)
         if (ref_solid_holds(geometry->scene->solids + i, origin))
             ++winding[geometry->scene->solids[i].instances[0]];
+}
+
+static void move(const ref_geometry *geometry, ref_surface *surface) {
+    const mcv_node_motion *motion = &geometry->scene->part_motion;
+    ref_vec *const directions[3] = {&surface->geometric, &surface->normal, &surface->tangent};
+    surface->position = ref_moved_point(motion, geometry->time, surface->position);
+    for (int i = 0; i < 3; ++i)
+        *directions[i] = ref_moved_direction(motion, geometry->time, *directions[i]);
 }
 
 ref_surface ref_surface_at(const ref_geometry *geometry, const ref_hit *hit) {
@@ -250,5 +269,6 @@ ref_surface ref_surface_at(const ref_geometry *geometry, const ref_hit *hit) {
     surface.tangent = ref_sub(surface.tangent,
                               ref_scale(ref_dot(surface.tangent, surface.normal), surface.normal));
     if (ref_dot(surface.tangent, surface.tangent) > 0) surface.tangent = ref_unit(surface.tangent);
+    if (instance->moves) move(geometry, &surface);
     return surface;
 }

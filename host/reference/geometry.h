@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The scene's triangles in the world, in double, under a binary tree of boxes.
+ * The scene's triangles in the world, in double, under a binary tree of boxes. Those that move have
+ * a tree of their own, for the time 0, to which rays are moved back.
  *
  * A ray crosses a closed surface inwards as often as outwards, even through its edges and vertices.
  * All triangles compute the same edge function for a shared edge, up to the sign. A zero counts as
@@ -29,6 +30,8 @@ typedef struct ref_geometry {
     const mcv_scene *scene;
     ref_triangle *triangles; /* in the order of the tree */
     ref_node *nodes;         /* nodes[0] is the root; NULL for a scene without triangles */
+    uint32_t moving;         /* the root of the triangles that move; 0: none do */
+    double time;             /* at which rays are traced [s] */
     ref_triangle *pieces;    /* of the scene's solids */
     double touch; /* faces at most this far apart coincide: the rounding of float32 vertices [m] */
 } ref_geometry;

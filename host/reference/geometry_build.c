@@ -139,26 +139,41 @@ static double diagonal(const mcv_scene *scene) {
     return all.low.x <= all.high.x ? ref_length(ref_sub(all.high, all.low)) : 0;
 }
 
-/* The tree, and the triangles in its order; `triangles` and `items` have room for all of them. */
+/* The triangles of an instance, behind `kept` others; returns how many there are then. */
+static uint32_t gather(const mcv_scene *scene, uint32_t instance, ref_triangle *triangles,
+                       item *items, uint32_t kept) {
+    const uint32_t first = scene->instances[instance].first_triangle,
+                   count = scene->meshes[scene->instances[instance].mesh].triangle_count;
+    for (uint32_t local = 0; local < count; ++local) {
+        double corners[3][3];
+        mcv_scene_corners(scene, instance, local, corners);
+        const ref_triangle t = {{ref_from(corners[0]), ref_from(corners[1]), ref_from(corners[2])},
+                                instance,
+                                first + local};
+        const ref_vec normal =
+            ref_cross(ref_sub(t.corner[1], t.corner[0]), ref_sub(t.corner[2], t.corner[0]));
+        if (!(ref_length(normal) > 0)) continue; /* without area it has no side to meet */
+        triangles[kept] = t;
+        items[kept] = (item){triangle_bounds(&t), kept};
+        ++kept;
+    }
+    return kept;
+}
+
+/* The trees, and the triangles in their order; `triangles` and `items` have room for all of them.
+ */
 static void plant(const mcv_scene *scene, ref_geometry *geometry, ref_triangle *triangles,
                   item *items) {
-    uint32_t number = 0, kept = 0, node_count = 1;
-    for (uint32_t i = 0; i < scene->instance_count; ++i) {
-        for (uint32_t local = 0; local < scene->meshes[scene->instances[i].mesh].triangle_count;
-             ++local, ++number) {
-            double corners[3][3];
-            mcv_scene_corners(scene, i, local, corners);
-            const ref_triangle t = {
-                {ref_from(corners[0]), ref_from(corners[1]), ref_from(corners[2])}, i, number};
-            const ref_vec normal =
-                ref_cross(ref_sub(t.corner[1], t.corner[0]), ref_sub(t.corner[2], t.corner[0]));
-            if (!(ref_length(normal) > 0)) continue; /* without area it has no side to meet */
-            triangles[kept] = t;
-            items[kept] = (item){triangle_bounds(&t), kept};
-            ++kept;
-        }
+    uint32_t kept = 0, node_count = 1;
+    for (int moving = 0; moving < 2; ++moving) {
+        const uint32_t first = kept;
+        for (uint32_t i = 0; i < scene->instance_count; ++i)
+            if (scene->instances[i].moves == moving)
+                kept = gather(scene, i, triangles, items, kept);
+        if (moving && kept == first) break;
+        if (moving) geometry->moving = node_count++;
+        build(geometry, items, geometry->moving, &node_count, first, kept - first, 0);
     }
-    build(geometry, items, 0, &node_count, 0, kept, 0);
     for (uint32_t i = 0; i < kept; ++i) geometry->triangles[i] = triangles[items[i].triangle];
 }
 

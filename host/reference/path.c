@@ -86,6 +86,12 @@ void ref_path_value(const ref_world *world, const ref_sensor_ray *sensor_ray, re
                   .trail = trail};
     const mcv_medium_params *around = ref_media_filling(&p.media, world->scene);
     double scale[3];
+    ref_world then;
+    if (world->geometry.moving > 0) {
+        then = *world;
+        then.geometry.time = sensor_ray->time;
+        world = &then;
+    }
     value[0] = value[1] = value[2] = 0;
     for (int channel = 0; channel < 3; ++channel)
         scale[channel] = sensor_ray->weight * pow(ref_media_ior(around, channel), 2);

@@ -33,7 +33,8 @@ static void sum_samples(const ref_pass *r, uint32_t column, uint32_t row, uint32
     for (int i = 0; i < 4; ++i) place[i] = ref_random_unit(&random);
     const uint32_t at[2] = {place_in(column, r->stride, r->size[0], &random),
                             place_in(row, r->stride, r->size[1], &random)};
-    const ref_sensor_ray sensor_ray = ref_sensor_ray_draw(r->sensor, at[0], at[1], place, &random);
+    const ref_sensor_ray sensor_ray =
+        ref_sensor_ray_draw(r->world->scene, r->sensor, at[0], at[1], place, &random);
     ref_path_value(r->world, &sensor_ray, &random, tally, NULL, sum);
     /* Values that an image of floats cannot represent count as not finite. */
     if (!(fmax(fabs(sum[0]), fmax(fabs(sum[1]), fabs(sum[2]))) <= FLT_MAX) ||

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "reference/sensor_ray.h"
 
+#include "reference/motion.h"
+
 #include "scene/aperture.h"
 #include "scene/lens_map.h"
 #include "scene/motion.h"
@@ -296,13 +298,6 @@ ref_sensor_ray ref_sensor_ray_sample(const mcv_sensor *sensor, uint32_t column, 
 
 /* --- time --- */
 
-/* By the angle about the unit axis a. */
-static ref_vec turned(ref_vec a, double angle, ref_vec p) {
-    const ref_vec along = ref_scale(ref_dot(a, p), a), aside = ref_sub(p, along);
-    return ref_add(
-        along, ref_add(ref_scale(cos(angle), aside), ref_scale(sin(angle), ref_cross(a, aside))));
-}
-
 /* The error of the encoder at the line of a stage. */
 static double line_error(const mcv_exposure *e, uint32_t row, double eta, double stage) {
     const uint32_t line = row + (uint32_t)(eta * e->stages);
@@ -314,7 +309,7 @@ static double line_error(const mcv_exposure *e, uint32_t row, double eta, double
 ref_sensor_ray ref_sensor_ray_at(const mcv_sensor *sensor, uint32_t column, uint32_t row, double x,
                                  double y, double u, double v, double xi, double eta) {
     const mcv_exposure e = mcv_sensor_exposure(sensor);
-    const mcv_sensor_motion *m = &sensor->motion;
+    const mcv_node_motion *m = &sensor->motion;
     const double stage = floor(eta * e.stages) - (e.stages - 1) / 2.0;
     double begin = 0, share = 1;
     uint32_t film_row = row;
@@ -333,17 +328,17 @@ ref_sensor_ray ref_sensor_ray_at(const mcv_sensor *sensor, uint32_t column, uint
     }
     const double time = begin + xi * (end - begin);
     ref_sensor_ray ray = ref_sensor_ray_sample(sensor, column, film_row, x, y, u, v);
-    const ref_vec axis = ref_from(m->axis), centre = ref_from(m->centre);
-    ray.origin = ref_add(ref_add(centre, turned(axis, m->rate * time, ref_sub(ray.origin, centre))),
-                         ref_scale(time, ref_from(m->velocity)));
-    ray.direction = turned(axis, m->rate * time, ray.direction);
+    ray.origin = ref_moved_point(m, time, ray.origin);
+    ray.direction = ref_moved_direction(m, time, ray.direction);
+    ray.time = time;
     ray.weight *= share;
     return ray;
 }
 
-ref_sensor_ray ref_sensor_ray_draw(const mcv_sensor *sensor, uint32_t column, uint32_t row,
-                                   const double place[4], ref_random *random) {
-    if (!mcv_sensor_needs_time(sensor))
+ref_sensor_ray ref_sensor_ray_draw(const mcv_scene *scene, const mcv_sensor *sensor,
+                                   uint32_t column, uint32_t row, const double place[4],
+                                   ref_random *random) {
+    if (!mcv_needs_time(scene, sensor))
         return ref_sensor_ray_sample(sensor, column, row, place[0], place[1], place[2], place[3]);
     const double xi = ref_random_unit(random), eta = ref_random_unit(random);
     return ref_sensor_ray_at(sensor, column, row, place[0], place[1], place[2], place[3], xi, eta);

@@ -10,6 +10,7 @@
 typedef struct ref_sensor_ray {
     ref_vec origin, direction; /* world; the direction is unit */
     double weight; /* radiance: 1 or, where the lens blocks, 0; irradiance: A cos⁴θ/h² [sr] */
+    double time;   /* [s] */
 } ref_sensor_ray;
 
 /*
@@ -26,7 +27,8 @@ ref_sensor_ray ref_sensor_ray_at(const mcv_sensor *sensor, uint32_t column, uint
                                  double y, double u, double v, double xi, double eta);
 
 /* A ray for (x, y, u, v) = place. Of a sensor for which the time matters, (ξ, η) are drawn. */
-ref_sensor_ray ref_sensor_ray_draw(const mcv_sensor *sensor, uint32_t column, uint32_t row,
-                                   const double place[4], ref_random *random);
+ref_sensor_ray ref_sensor_ray_draw(const mcv_scene *scene, const mcv_sensor *sensor,
+                                   uint32_t column, uint32_t row, const double place[4],
+                                   ref_random *random);
 
 #endif

@@ -65,6 +65,11 @@ static mcv_result open_scene(mcv_renderer *r, const mcv_scene *scene, uint32_t s
                                          .records = r->options->records,
                                          .no_split = r->options->no_split};
     packed->features = mcv_decide_features(scene, packed, &scene->sensors[sensor], choices, NULL);
+    if (packed->features & MCV_FEATURE_BIT(MOVING) && packed->features & MCV_FEATURE_BIT(MIXED))
+        return mcv_fail(r->error, MCV_USAGE,
+                        "%s has parts that move, whose places are known in single precision: "
+                        "give --precision single, or double for the reference renderer",
+                        scene->path);
     mcv_feature_names(packed->features, r->stats->features, sizeof r->stats->features);
 
     const double compile = mcv_seconds();

@@ -33,12 +33,15 @@ mcv_exposure mcv_sensor_exposure(const mcv_sensor *sensor) {
     }
 }
 
-bool mcv_sensor_needs_time(const mcv_sensor *sensor) {
+bool mcv_moves(const mcv_node_motion *motion) {
+    const double *v = motion->velocity;
+    return v[0] != 0 || v[1] != 0 || v[2] != 0 || motion->rate != 0;
+}
+
+bool mcv_needs_time(const mcv_scene *scene, const mcv_sensor *sensor) {
     const mcv_exposure e = mcv_sensor_exposure(sensor);
-    const double *v = sensor->motion.velocity;
-    const bool moves = v[0] != 0 || v[1] != 0 || v[2] != 0 || sensor->motion.rate != 0;
-    return e.shutter == MCV_SHUTTER_LINE || e.strobe_time > 0 ||
-           (moves && (e.time > 0 || e.shutter == MCV_SHUTTER_ROLLING));
+    return e.shutter == MCV_SHUTTER_LINE || e.strobe_time > 0 || mcv_moves(&scene->part_motion) ||
+           (mcv_moves(&sensor->motion) && (e.time > 0 || e.shutter == MCV_SHUTTER_ROLLING));
 }
 
 static mcv_result resolve_encoder(const mcv_exposure *e, const mcv_json_path *place,
@@ -98,9 +101,9 @@ mcv_result mcv_sensor_resolve_exposure(mcv_sensor *sensor, const mcv_json_path *
 
 void mcv_motion_prepare(const mcv_sensor *sensor, mcv_motion *device) {
     const mcv_exposure e = mcv_sensor_exposure(sensor);
-    const mcv_sensor_motion *motion = &sensor->motion;
+    const mcv_node_motion *motion = &sensor->motion;
     const double *m = sensor->to_world.m;
-    *device = (mcv_motion){.turns_per_second = (float)(-motion->rate / (2 * M_PI)),
+    *device = (mcv_motion){.sensor.turns_per_second = (float)(-motion->rate / (2 * M_PI)),
                            .exposure = (float)e.time,
                            .line_time = (float)e.line_time,
                            .strobe_begin = (float)e.strobe_delay,
@@ -115,8 +118,19 @@ void mcv_motion_prepare(const mcv_sensor *sensor, mcv_motion *device) {
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j) {
             const float to = (float)((i == 2 ? -1 : 1) * m[3 * j + i]);
-            device->velocity[i] += to * (float)motion->velocity[j];
-            device->axis[i] += to * (float)motion->axis[j];
-            device->centre[i] += to * (float)(motion->centre[j] - m[9 + j]);
+            device->sensor.velocity[i] += to * (float)motion->velocity[j];
+            device->sensor.axis[i] += to * (float)motion->axis[j];
+            device->sensor.centre[i] += to * (float)(motion->centre[j] - m[9 + j]);
         }
+}
+
+void mcv_part_motion_prepare(const mcv_scene *scene, const double origin[3],
+                             mcv_rigid_motion *device) {
+    const mcv_node_motion *motion = &scene->part_motion;
+    device->turns_per_second = (float)(motion->rate / (2 * M_PI));
+    for (int i = 0; i < 3; ++i) {
+        device->velocity[i] = (float)motion->velocity[i];
+        device->axis[i] = (float)motion->axis[i];
+        device->centre[i] = (float)(motion->centre[i] - origin[i]);
+    }
 }

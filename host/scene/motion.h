@@ -20,14 +20,18 @@ typedef struct mcv_exposure {
 /* Of a sensor; all 0 where it has no such parameters. */
 mcv_exposure mcv_sensor_exposure(const mcv_sensor *sensor);
 
+bool mcv_moves(const mcv_node_motion *motion);
+
 /* Does what a sensor sees depend on the time? */
-bool mcv_sensor_needs_time(const mcv_sensor *sensor);
+bool mcv_needs_time(const mcv_scene *scene, const mcv_sensor *sensor);
 
 /* Fills in defaults; refuses what the shutter does not have. */
 mcv_result mcv_sensor_resolve_exposure(mcv_sensor *sensor, const mcv_json_path *place,
                                        mcv_error *error);
 
-/* For the device. */
+/* For the device. `origin`: the world's point that is the device's origin. */
 void mcv_motion_prepare(const mcv_sensor *sensor, mcv_motion *device);
+void mcv_part_motion_prepare(const mcv_scene *scene, const double origin[3],
+                             mcv_rigid_motion *device);
 
 #endif

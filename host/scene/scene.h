@@ -67,6 +67,7 @@ typedef struct mcv_instance {
     uint32_t mesh, material;
     uint32_t emitter; /* index into emitters, or MCV_NONE */
     uint32_t first_triangle;
+    bool moves;             /* by the scene's part_motion */
     mcv_transform to_world; /* may mirror: the winding is then reversed, and the normal stays on the
                                front side */
 } mcv_instance;
@@ -148,19 +149,19 @@ typedef struct mcv_emitter {
     } as;
 } mcv_emitter;
 
-/* How a sensor moves (mcvisi/motion.h), in the world; all 0: it stands still. */
-typedef struct mcv_sensor_motion {
+/* How a node moves (mcvisi/motion.h), in the world; all 0: it stands still. */
+typedef struct mcv_node_motion {
     double velocity[3];        /* [m/s] */
     double axis[3], centre[3]; /* unit, [m] */
     double rate;               /* [rad/s] */
-} mcv_sensor_motion;
+} mcv_node_motion;
 
 typedef struct mcv_sensor {
     char *name;
     uint32_t type;          /* MCV_SENSOR_… */
     mcv_transform to_world; /* rotation and translation of the node, scale removed; the sensor looks
                                along the node's -z, +y is up */
-    mcv_sensor_motion motion;
+    mcv_node_motion motion;
     union {
 #define MCV_X(name, key, NAME) mcv_##name##_params name;
         MCV_SENSORS(MCV_X)
@@ -186,6 +187,7 @@ typedef struct mcv_scene {
     mcv_emitter *emitters;
     mcv_sensor *sensors;
     mcv_solid *solids;
+    mcv_node_motion part_motion; /* of the instances that move */
     mcv_placement *frames;
     uint32_t frame_count;
     mcv_defect *defects;

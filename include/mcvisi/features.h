@@ -53,7 +53,8 @@
     X(EARLY_ROULETTE, "early-roulette", \
       "next-event estimation samples all light: later vertices contribute little, so Russian " \
       "roulette ends paths earlier") \
-    X(MOTION, "motion", "the sensor moves, or its rows are exposed in turn") \
+    X(MOTION, "motion", "the sensor or parts move, or rows are exposed in turn") \
+    X(MOVING, "moving", "parts move") \
     X(APERTURE, "aperture", "the sensor's aperture is no full disc") \
     X(DISTORTION, "distortion", "the sensor's film is tilted, or its lens distorts") \
     X(AIM, "aim", \

@@ -1,10 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Time: a sensor that moves while its rows are exposed. MCVISI_motion on the sensor's node gives
- * the motion; the node stands where the file says at the time 0. The scene stands still, lights
- * included, so that nothing is built anew for a time: a point p of the sensor is at
+ * Time: sensors and parts that move while rows are exposed. MCVISI_motion on a node gives the
+ * motion; the node stands where the file says at the time 0. A point p of it is at
  *
  *     c + v t + R(ω t) (p - c)          R about the axis a through the centre c
+ *
+ * Each path has one time. Parts that move, all in one way, have a hierarchy of their own, for the
+ * time 0: rays are moved back to it, and what they hit is moved on. So nothing is built anew for a
+ * time. Lights stand still.
  *
  * Row r of what is read out is exposed from t_r on, for exposureTime:
  *
@@ -26,16 +29,21 @@
 #define MCVISI_MOTION_H
 
 #include "mcvisi/elementary.h"
+#include "mcvisi/offset.h"
 #include "mcvisi/sensors/sensor.h"
 
 enum { MCV_SHUTTER_GLOBAL, MCV_SHUTTER_ROLLING, MCV_SHUTTER_LINE };
 
-/* In the optical frame, which is left-handed: turns have the opposite sign there. */
-typedef struct mcv_motion {
+typedef struct mcv_rigid_motion {
     float velocity[3]; /* [m/s] */
     float axis[3];     /* unit */
     float centre[3];   /* [m] */
     float turns_per_second;
+} mcv_rigid_motion;
+
+/* A sensor's is in the optical frame, which is left-handed: turns have the opposite sign there. */
+typedef struct mcv_motion {
+    mcv_rigid_motion sensor;
     float exposure, line_time;      /* [s] */
     float strobe_begin, strobe_end; /* equal: no strobe [s] */
     uint shutter, stages;
@@ -106,21 +114,78 @@ MCV_LOOP_FUNCTION mcv_vec3 mcv_turned(mcv_vec3 axis, float sine, float cosine, m
     return mcv_along(mcv_along(mcv_scale(p, cosine), sine, across), along, axis);
 }
 
-/* The ray of a sensor that has moved for a time; the direction's z is no longer 1. */
-MCV_LOOP_FUNCTION mcv_sensor_ray mcv_moved(MCV_CONSTANT const mcv_motion *m, mcv_sensor_ray ray,
-                                           float time) {
-    const mcv_vec3 velocity = mcv_vec(m->velocity[0], m->velocity[1], m->velocity[2]);
-    const mcv_vec3 axis = mcv_vec(m->axis[0], m->axis[1], m->axis[2]);
-    const mcv_vec3 centre = mcv_vec(m->centre[0], m->centre[1], m->centre[2]);
+/* How far a motion has come. */
+typedef struct mcv_pose {
+    float time, sine, cosine;
+} mcv_pose;
+
+MCV_LOOP_FUNCTION mcv_pose mcv_pose_at(MCV_CONSTANT const mcv_rigid_motion *m, float time) {
     const float turns = m->turns_per_second * time;
-    float sine, cosine;
-    mcv_sin_cos_turn(turns - mcv_floor(turns), &sine, &cosine);
+    mcv_pose pose;
+    pose.time = time;
+    mcv_sin_cos_turn(turns - mcv_floor(turns), &pose.sine, &pose.cosine);
+    return pose;
+}
+
+MCV_LOOP_FUNCTION mcv_vec3 mcv_moved_direction(MCV_CONSTANT const mcv_rigid_motion *m,
+                                               mcv_pose pose, mcv_vec3 direction) {
+    return mcv_turned(mcv_vec(m->axis[0], m->axis[1], m->axis[2]), pose.sine, pose.cosine,
+                      direction);
+}
+
+MCV_LOOP_FUNCTION mcv_vec3 mcv_moved_point(MCV_CONSTANT const mcv_rigid_motion *m, mcv_pose pose,
+                                           mcv_vec3 point) {
+    const mcv_vec3 velocity = mcv_vec(m->velocity[0], m->velocity[1], m->velocity[2]);
+    const mcv_vec3 centre = mcv_vec(m->centre[0], m->centre[1], m->centre[2]);
+    return mcv_along(mcv_add(centre, mcv_moved_direction(m, pose, mcv_sub(point, centre))),
+                     pose.time, velocity);
+}
+
+/* The ray of a sensor that has moved for a time; the direction's z is no longer 1. */
+MCV_LOOP_FUNCTION mcv_sensor_ray mcv_moved(MCV_CONSTANT const mcv_rigid_motion *m,
+                                           mcv_sensor_ray ray, float time) {
+    const mcv_pose pose = mcv_pose_at(m, time);
     mcv_sensor_ray moved = ray;
-    moved.origin =
-        mcv_along(mcv_add(centre, mcv_turned(axis, sine, cosine, mcv_sub(ray.origin, centre))),
-                  time, velocity);
-    moved.direction = mcv_turned(axis, sine, cosine, ray.direction);
+    moved.origin = mcv_moved_point(m, pose, ray.origin);
+    moved.direction = mcv_moved_direction(m, pose, ray.direction);
     return moved;
+}
+#endif
+
+#if !MCV_ON_DEVICE || MCV_WITH_MOVING
+/* Back: where a direction and a point have been at the time 0. */
+MCV_LOOP_FUNCTION mcv_vec3 mcv_direction_at_rest(MCV_CONSTANT const mcv_rigid_motion *m,
+                                                 mcv_pose pose, mcv_vec3 direction) {
+    pose.sine = -pose.sine;
+    return mcv_moved_direction(m, pose, direction);
+}
+
+MCV_LOOP_FUNCTION mcv_vec3 mcv_point_at_rest(MCV_CONSTANT const mcv_rigid_motion *m, mcv_pose pose,
+                                             mcv_vec3 point) {
+    const mcv_vec3 velocity = mcv_vec(m->velocity[0], m->velocity[1], m->velocity[2]);
+    const mcv_vec3 centre = mcv_vec(m->centre[0], m->centre[1], m->centre[2]);
+    return mcv_add(centre, mcv_direction_at_rest(
+                               m, pose, mcv_along(mcv_sub(point, centre), -pose.time, velocity)));
+}
+
+MCV_LOOP_FUNCTION float mcv_sum_of_sizes(mcv_vec3 v) {
+    return mcv_abs(v.x) + mcv_abs(v.y) + mcv_abs(v.z);
+}
+
+/*
+ * Bounds how far off rounding puts a point that has moved to p, and a ray from there that is moved
+ * back. With u = 2^-24, the two sums of each way err by u of p, p - c and q = p - c - v t, where c
+ * is the centre; a turn errs by 8 u of |q|, sine and cosine by 2 u of it.
+ */
+MCV_LOOP_FUNCTION float mcv_moving_error(MCV_CONSTANT const mcv_rigid_motion *m, mcv_pose pose,
+                                         mcv_vec3 p) {
+    const mcv_vec3 velocity = mcv_vec(m->velocity[0], m->velocity[1], m->velocity[2]);
+    const mcv_vec3 from_centre = mcv_sub(p, mcv_vec(m->centre[0], m->centre[1], m->centre[2]));
+    const mcv_vec3 arm = mcv_along(from_centre, -pose.time, velocity);
+    const float turned = m->turns_per_second != 0.0f ? mcv_sum_of_sizes(arm) : 0.0f;
+    return MCV_GAMMA(4) *
+               (mcv_sum_of_sizes(p) + mcv_sum_of_sizes(from_centre) + mcv_sum_of_sizes(arm)) +
+           MCV_GAMMA(20) * turned;
 }
 #endif
 

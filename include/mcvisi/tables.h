@@ -74,16 +74,18 @@ typedef struct mcv_frame {
     uint instance_count;
     uint
         light_tree_depth; /* steps from its root to an emitter at most; 0: there is no light tree */
-    uint environment_element; /* its number (kernels/light/element.h) */
-    uint record_capacity;     /* records that a launch has room for; 0: it makes none */
-    float splat_share;        /* what a splat of 1 adds to a pixel's sum of samples */
-    uint padding[6];
+    uint environment_element;         /* its number (kernels/light/element.h) */
+    uint record_capacity;             /* records that a launch has room for; 0: it makes none */
+    float splat_share;                /* what a splat of 1 adds to a pixel's sum of samples */
+    uint moving_nodes, moving_leaves; /* where the hierarchy of moving parts begins */
+    uint padding[4];
 #if !MCV_ON_DEVICE || MCV_WITH_MOTION
     mcv_motion motion;
+    mcv_rigid_motion part_motion;
 #endif
 } mcv_frame;
 #if !MCV_ON_DEVICE || MCV_WITH_MOTION
-MCV_ASSERT_SIZE(mcv_frame, 512 + 80);
+MCV_ASSERT_SIZE(mcv_frame, 512 + 80 + 40);
 #else
 MCV_ASSERT_SIZE(mcv_frame, 512);
 #endif
@@ -94,8 +96,9 @@ typedef struct mcv_device_instance {
     uint medium;  /* index of the medium inside its surface; 0: none */
     uint first_triangle;
     uint shading; /* MCV_SHADING_… */
+    uint moves;   /* 1: it is in the hierarchy of moving parts */
 } mcv_device_instance;
-MCV_ASSERT_SIZE(mcv_device_instance, 20);
+MCV_ASSERT_SIZE(mcv_device_instance, 24);
 
 /*
  * Shading classes of surfaces that do not emit: diffuse ones that nothing passes, microfacets,

@@ -71,10 +71,16 @@ MCV_LOOP_FUNCTION float mcv_contact_band(const mcv_interaction *interaction, mcv
     return 2.0f * reach / -mcv_dot(interaction->direction, f) + 2.0f * MCV_GAMMA(16) * t;
 }
 
-/* Whether surfaces of other bodies than that of the medium `own` may lie so close to a point;
+/* Whether surfaces of other bodies than that of the medium `own` may lie so close to a place;
  * triangles, not exact ones. */
-MCV_LOOP_FUNCTION int mcv_is_near_others(mcv_world world, mcv_vec3 point, uint own, float band) {
+MCV_LOOP_FUNCTION int mcv_is_near_others(mcv_world world, mcv_surface surface, uint own,
+                                         float band) {
     __global const mcv_contact_grid *grid = world.contact_grid;
+    mcv_vec3 point = surface.point;
+#if MCV_WITH_MOVING
+    point = mcv_choose(world.instances[surface.instance].moves != 0u,
+                       mcv_point_at_rest(&world.frame->part_motion, world.pose, point), point);
+#endif
     const uint x = mcv_contact_cell(point.x, grid->low[0], grid->scale[0]),
                y = mcv_contact_cell(point.y, grid->low[1], grid->scale[1]),
                z = mcv_contact_cell(point.z, grid->low[2], grid->scale[2]);
@@ -103,13 +109,25 @@ static void mcv_find_contacts(mcv_world world, mcv_vec3 origin, mcv_hit hit,
     const float rounding =
         mcv_is_exact(hit.triangle) ? mcv_exact_rounding(interaction->surface.point, 0.0f) : 0.0f;
     if (MCV_WITH_SURFACES) e = mcv_larger(e, mcv_vec(rounding, rounding, rounding));
-    if (!mcv_is_near_others(world, interaction->surface.point, own,
+    if (!mcv_is_near_others(world, interaction->surface, own,
                             mcv_contact_band(interaction, e, hit.t)))
         return;
+    __global const mcv_node *nodes = world.nodes;
+    __global const mcv_leaf *leaves = world.leaves;
+    mcv_vec3 direction = interaction->direction;
+#if MCV_WITH_MOVING
+    /* What touches a moving part moves with it. */
+    if (world.instances[interaction->surface.instance].moves != 0u) {
+        MCV_CONSTANT const mcv_rigid_motion *motion = &world.frame->part_motion;
+        nodes += world.frame->moving_nodes;
+        leaves += world.frame->moving_leaves;
+        origin = mcv_point_at_rest(motion, world.pose, origin);
+        direction = mcv_direction_at_rest(motion, world.pose, direction);
+    }
+#endif
     for (int i = 0; i < (int)MCV_MAX_MEDIA; ++i) {
         const float band = mcv_contact_band(interaction, e, hit.t);
-        hit = mcv_next_hit_ray(world.nodes, world.leaves, origin, interaction->direction, hit,
-                               hit.t + band);
+        hit = mcv_next_hit_ray(nodes, leaves, origin, direction, hit, hit.t + band);
         if (hit.triangle == MCV_NONE) return;
         const mcv_surface next = mcv_surface_at(world, hit.triangle, hit.u, hit.v);
         const uint medium = world.instances[next.instance].medium;

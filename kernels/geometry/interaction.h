@@ -5,6 +5,7 @@
 
 #include "path/camera_path.h"
 #include "path/dispersion.h"
+#include "path/time.h"
 #include "bsdf/bsdf.h"
 
 /* mcv_disperse_at for a camera path, wherever it is; without dispersion the world as it is. */
@@ -39,8 +40,8 @@ MCV_LOOP_FUNCTION void mcv_put_surface(mcv_slot slot, mcv_surface surface) {
 /* Works out the surface of a triangle; where nothing was met, of some other one. */
 MCV_LOOP_FUNCTION void mcv_find_triangle(mcv_world world, mcv_slot slot) {
     const uint met = MCV_WORD(slot, hit, 3);
-    mcv_put_surface(slot, mcv_surface_at(world, met == MCV_NONE ? 0u : met, MCV_LOAD(slot, hit, 1),
-                                         MCV_LOAD(slot, hit, 2)));
+    mcv_put_surface(slot, mcv_surface_at(mcv_at_time(world, slot), met == MCV_NONE ? 0u : met,
+                                         MCV_LOAD(slot, hit, 1), MCV_LOAD(slot, hit, 2)));
 }
 
 MCV_LOOP_FUNCTION void mcv_find_exact(mcv_world world, mcv_slot slot, uint met, int quadric) {
@@ -105,7 +106,8 @@ MCV_LOOP_FUNCTION mcv_interaction mcv_make_interaction(mcv_world world, mcv_slot
     return interaction;
 #else
     const mcv_hit hit = {MCV_LOAD(slot, hit, 0), u, v, triangle};
-    return mcv_meet(world, MCV_LOAD_3(slot, origin), MCV_LOAD_3(slot, direction), hit);
+    return mcv_meet(mcv_at_time(world, slot), MCV_LOAD_3(slot, origin), MCV_LOAD_3(slot, direction),
+                    hit);
 #endif
 }
 
@@ -123,10 +125,11 @@ MCV_LOOP_FUNCTION void mcv_put_no_contact(mcv_slot slot) {
 MCV_LOOP_FUNCTION int mcv_may_touch(mcv_world world, mcv_slot slot) {
     const mcv_interaction interaction = mcv_make_interaction(world, slot);
     const uint medium = world.instances[interaction.surface.instance].medium;
-    const int near = MCV_WITH_SURFACES ||
-                     mcv_is_near_others(world, interaction.surface.point, medium > 0u ? medium : 1u,
-                                        mcv_contact_band(&interaction, interaction.surface.error,
-                                                         MCV_LOAD(slot, hit, 0)));
+    const int near =
+        MCV_WITH_SURFACES ||
+        mcv_is_near_others(
+            mcv_at_time(world, slot), interaction.surface, medium > 0u ? medium : 1u,
+            mcv_contact_band(&interaction, interaction.surface.error, MCV_LOAD(slot, hit, 0)));
     return (medium != 0u) & near;
 }
 
@@ -135,7 +138,7 @@ MCV_FUNCTION void mcv_find_contact(mcv_world world, mcv_slot slot) {
     const mcv_hit hit = {MCV_LOAD(slot, hit, 0), MCV_LOAD(slot, hit, 1), MCV_LOAD(slot, hit, 2),
                          MCV_WORD(slot, hit, 3)};
     mcv_interaction interaction = mcv_make_interaction(world, slot);
-    mcv_find_contacts(world, MCV_LOAD_3(slot, origin), hit, &interaction);
+    mcv_find_contacts(mcv_at_time(world, slot), MCV_LOAD_3(slot, origin), hit, &interaction);
     MCV_STORE_3(slot, error, interaction.surface.error);
     MCV_WORD(slot, contact, 0) = interaction.exited;
     MCV_WORD(slot, contact, 1) = interaction.entered;

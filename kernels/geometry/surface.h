@@ -101,7 +101,20 @@ MCV_LOOP_FUNCTION mcv_surface mcv_surface_on(mcv_facet facet, float u, float v) 
 }
 
 MCV_LOOP_FUNCTION mcv_surface mcv_surface_at(mcv_world world, uint triangle, float u, float v) {
-    return mcv_surface_on(mcv_facet_of(world, triangle), u, v);
+    mcv_surface surface = mcv_surface_on(mcv_facet_of(world, triangle), u, v);
+#if MCV_WITH_MOVING
+    MCV_CONSTANT const mcv_rigid_motion *motion = &world.frame->part_motion;
+    const int moves = world.instances[surface.instance].moves != 0u;
+    const mcv_vec3 point = mcv_moved_point(motion, world.pose, surface.point),
+                   face = mcv_moved_direction(motion, world.pose, surface.face),
+                   normal = mcv_moved_direction(motion, world.pose, surface.normal);
+    const float error = moves ? mcv_moving_error(motion, world.pose, point) : 0.0f;
+    surface.point = mcv_choose(moves, point, surface.point);
+    surface.face = mcv_choose(moves, face, surface.face);
+    surface.normal = mcv_choose(moves, normal, surface.normal);
+    surface.error = mcv_add(surface.error, mcv_vec(error, error, error));
+#endif
+    return surface;
 }
 
 /* Coordinate 0 or 1 of the place in the set of texture coordinates that begins with `first`. */

@@ -39,6 +39,7 @@
                                             (mcvisi/surfaces/solid.h), or MCV_NONE */ \
     X(stream, 1)                         /* of random numbers: pixel, replicate, seed */ \
     X(sample, 1) \
+    X(time, MCV_WITH_MOVING)          /* [s] */ \
     X(origin_low, 3 * MCV_WITH_MIXED) /* what rounding leaves of the ray (geometry/precise.h) */ \
     X(direction_low, 3 * MCV_WITH_MIXED) \
     X(origin, 3)                /* of the current ray [m] */ \

@@ -60,6 +60,13 @@ MCV_BATCH void mcv_intersect_paths(mcv_world world, uint *paths, uint count) {
     }
     mcv_intersect_closest_rays(world.nodes, world.leaves, origins, directions, chosen, listed,
                                hits);
+#if MCV_WITH_MOVING
+    /* Rays of different times have nothing in common. */
+    MCV_EACH_PATH (slot, paths, 0, count)
+        mcv_put_hit(hits, slot.index,
+                    mcv_closest_moving(mcv_at_time(world, slot), MCV_LOAD_3(slot, origin),
+                                       MCV_LOAD_3(slot, direction), mcv_hit_of(hits, slot.index)));
+#endif
     if (!MCV_WITH_ABSORPTION) return;
     MCV_VECTORIZE
     MCV_EACH_PATH (slot, paths, 0, count) mcv_absorb(world, slot);

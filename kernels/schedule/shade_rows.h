@@ -67,7 +67,7 @@ MCV_BATCH uint mcv_split_paths(mcv_world world, uint *paths, const uint *fate, u
     uint splits[MCV_SLOTS], count = 0;
     MCV_VECTORIZE
     for (uint i = 0; i < last; ++i) splits[i] = fate[i] & MCV_SPLITS;
-    const uint rows[4][2] = {{MCV_PATH_stream, MCV_PATH_sample + 1},
+    const uint rows[4][2] = {{MCV_PATH_stream, MCV_PATH_sample + 1 + MCV_WITH_MOVING},
                              {MCV_PATH_weight, MCV_PATH_hit + 4},
                              {MCV_PATH_point, MCV_PATH_AFTER_gloss_known + 1},
                              {MCV_PATH_branch_state, MCV_PATH_AFTER_branch_state + 1}};

@@ -98,6 +98,12 @@ static void mcv_intersect_shadows(mcv_world world, uint *paths, const uint *list
         else
             mcv_intersect_closest_rays(world.nodes, world.leaves, origins, directions, chosen,
                                        chosen_count, hits);
+#if MCV_WITH_MOVING
+        for (uint i = 0; i < chosen_count; ++i)
+            mcv_put_hit(hits, chosen[i],
+                        mcv_shadow_past_moving(world, mcv_slot_at(paths, chosen[i]),
+                                               mcv_hit_of(hits, chosen[i])));
+#endif
         if (MCV_WITH_SURFACES) mcv_shadows_past_solids(world, paths, first, last, any, hits);
         for (uint i = 0; i < chosen_count && !any; ++i)
             if (!mcv_hits_target(world, mcv_slot_at(paths, chosen[i]), mcv_hit_of(hits, chosen[i])))

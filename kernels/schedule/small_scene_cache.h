@@ -13,7 +13,9 @@
 #include "geometry/interaction.h"
 #include "schedule/vectorize.h"
 
-#if MCV_CACHED && !MCV_WITH_NORMALS
+/* Of moving parts places differ from path to path. */
+#define MCV_FACETS_CACHED (MCV_CACHED && !MCV_WITH_NORMALS && !MCV_WITH_MOVING)
+#if MCV_FACETS_CACHED
 enum { MCV_FACET_WORDS = 14, MCV_REGISTER_LOOKUP = 128 };
 
 /* Rows of what mcv_facet_of says: corners, normal, area; and the instance. */

@@ -50,7 +50,7 @@ MCV_BATCH void mcv_find_exacts(mcv_world world, uint *paths, uint first, uint la
 MCV_BATCH void mcv_find_surfaces(mcv_world world, uint *paths, const uint *class_end) {
     const uint first_end = class_end[MCV_LAST_SMOOTH_TRIANGLE],
                second = class_end[MCV_LAST_KNOWN_EXACT], second_end = class_end[MCV_LAST_TRIANGLE];
-#if MCV_CACHED && !MCV_WITH_NORMALS
+#if MCV_FACETS_CACHED
     if (world.frame->triangle_count - 1u < MCV_CACHED &&
         class_end[MCV_LAST_CLASS] >= 2 * MCV_CACHED) {
         mcv_facet_table table;

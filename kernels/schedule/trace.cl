@@ -40,6 +40,9 @@ static uint mcv_trace_path(mcv_world world, mcv_slot slot, mcv_device_ray ray, u
     direction_low = mcv_vec(ray.direction_low[0], ray.direction_low[1], ray.direction_low[2]);
 #endif
     float distance = 0.0f;
+#if MCV_WITH_MOVING
+    MCV_STORE(slot, time, 0, 0.0f);
+#endif
     float transmittance = 1.0f;
     float radiance = 0.0f;
     for (uint count = 0;; ++count) {

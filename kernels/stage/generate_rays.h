@@ -25,7 +25,7 @@ MCV_LOOP_FUNCTION int mcv_generate_ray(mcv_world world, mcv_slot slot, mcv_ident
     if (world.frame->motion.shutter == MCV_SHUTTER_LINE)
         film = mcv_on_line(film, world.sensor->centre_y, moment.stage);
     mcv_sensor_ray sensor_ray =
-        mcv_moved(&world.frame->motion,
+        mcv_moved(&world.frame->motion.sensor,
                   mcv_sensor_sample(world.sensor, film, aperture.x, aperture.y), moment.time);
     sensor_ray.weight *= moment.weight;
 #elif MCV_WITH_AIM
@@ -70,6 +70,9 @@ MCV_LOOP_FUNCTION int mcv_generate_ray(mcv_world world, mcv_slot slot, mcv_ident
     if (MCV_WITH_LIGHT_TRACING) MCV_WORD(slot, path_class, 0) = MCV_PATH_CLASS_STRAIGHT;
     if (MCV_WITH_SPLIT) MCV_WORD(slot, branch, 0) = 0u;
     if (MCV_WITH_RECORDS) MCV_WORD(slot, cell, 0) = id.cell;
+#if MCV_WITH_MOVING
+    MCV_STORE(slot, time, 0, moment.time);
+#endif
     MCV_WORD(slot, stream, 0) = id.stream;
     MCV_WORD(slot, sample, 0) = id.sample;
     return weight > 0.0f;

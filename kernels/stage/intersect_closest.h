@@ -6,6 +6,7 @@
 
 #include "path/camera_path.h"
 #include "path/media.h"
+#include "path/time.h"
 #include "traverse/closest.h"
 
 /* What the way to the hit leaves; of a ray that meets nothing t is infinite. */
@@ -17,8 +18,8 @@ MCV_LOOP_FUNCTION void mcv_absorb(mcv_world world, mcv_slot slot) {
 }
 
 MCV_FUNCTION void mcv_intersect_closest(mcv_world world, mcv_slot slot) {
-    const mcv_hit hit = mcv_closest(world, MCV_LOAD_3(slot, origin), MCV_LOAD_3(slot, direction),
-                                    mcv_path_origin_surface(slot));
+    const mcv_hit hit = mcv_closest(mcv_at_time(world, slot), MCV_LOAD_3(slot, origin),
+                                    MCV_LOAD_3(slot, direction), mcv_path_origin_surface(slot));
     MCV_STORE(slot, hit, 0, hit.t);
     MCV_STORE(slot, hit, 1, hit.u);
     MCV_STORE(slot, hit, 2, hit.v);

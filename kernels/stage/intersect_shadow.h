@@ -5,7 +5,8 @@
 
 #include "path/camera_path.h"
 #include "path/media.h"
-#include "traverse/bvh8.h"
+#include "path/time.h"
+#include "traverse/closest.h"
 #include "geometry/surface.h"
 #include "geometry/solids.h"
 #include "light/element.h"
@@ -60,6 +61,21 @@ static int mcv_hits_target(mcv_world world, mcv_slot slot, mcv_hit hit) {
            mcv_instance_of(world, hit.triangle) == MCV_WORD(slot, shadow_target, 0);
 }
 
+/* What the shadow ray meets, of triangles that stand still (the given hit) and moving ones. */
+MCV_FUNCTION mcv_hit mcv_shadow_past_moving(mcv_world world, mcv_slot slot, mcv_hit hit) {
+#if MCV_WITH_MOVING
+    const mcv_vec3 origin = MCV_LOAD_3(slot, shadow_origin),
+                   direction = MCV_LOAD_3(slot, shadow_direction);
+    world = mcv_at_time(world, slot);
+    if (!mcv_shadow_is_any(slot)) return mcv_closest_moving(world, origin, direction, hit);
+    if (hit.triangle == MCV_NONE && mcv_moving_part_blocks(world, origin, direction, hit.t))
+        hit.triangle = 0u; /* whichever */
+#else
+    (void)world, (void)slot;
+#endif
+    return hit;
+}
+
 /* What the shadow ray meets, of triangles (the given hit) and exact surfaces. */
 MCV_FUNCTION mcv_hit mcv_shadow_past_solids(mcv_world world, mcv_slot slot, mcv_hit hit) {
     if (!MCV_WITH_SURFACES || (hit.triangle != MCV_NONE && mcv_shadow_is_any(slot))) return hit;
@@ -72,14 +88,17 @@ MCV_FUNCTION void mcv_intersect_shadow(mcv_world world, mcv_slot slot) {
     const mcv_vec3 origin = MCV_LOAD_3(slot, shadow_origin);
     const mcv_vec3 direction = MCV_LOAD_3(slot, shadow_direction);
     if (mcv_shadow_is_any(slot)) {
-        const mcv_hit end = mcv_shadow_past_solids(world, slot, mcv_miss(mcv_shadow_end(slot)));
+        const mcv_hit end = mcv_shadow_past_solids(
+            world, slot, mcv_shadow_past_moving(world, slot, mcv_miss(mcv_shadow_end(slot))));
         if (end.triangle == MCV_NONE &&
             !mcv_intersect_any_ray(world.nodes, world.leaves, origin, direction, end.t))
             mcv_add_shadow_light(world, slot, end, 1);
     } else {
         const mcv_hit hit = mcv_shadow_past_solids(
             world, slot,
-            mcv_intersect_closest_ray(world.nodes, world.leaves, origin, direction, INFINITY));
+            mcv_shadow_past_moving(
+                world, slot,
+                mcv_intersect_closest_ray(world.nodes, world.leaves, origin, direction, INFINITY)));
         if (mcv_hits_target(world, slot, hit)) mcv_add_shadow_light(world, slot, hit, 1);
     }
 }

@@ -4,18 +4,10 @@
  * TDI, encoders and strobes, by the place and the width of an edge in the picture, and its transfer
  * function.
  */
-#include "reference_checks.h"
+#include "moving_edge.h"
 #include "scene_files.h"
-#include "sensor_json.h"
 
-#include "render/render.h"
 #include "scene/motion.h"
-
-#include <complex.h>
-
-enum { SIZE = 48 };
-/* A pixel sees 0.3 mm of the plane. */
-static const double depth = 0.3, seen = 0.3e-3;
 
 /* A camera before a black half plane: its edge lies at x = 0, or at y = 0. */
 static mcv_scene *scene_of(const mcv_sensor *camera, mcv_transform at, bool across) {
@@ -27,96 +19,11 @@ static mcv_scene *scene_of(const mcv_sensor *camera, mcv_transform at, bool acro
     return scene;
 }
 
-static mcv_sensor camera_with(const char *json) {
-    char text[512];
-    mcv_sensor sensor;
-    mcv_error error;
-    snprintf(text, sizeof text,
-             "{\"imageDistance\":\"20mm\",\"resolution\":[%d,%d],\"pixelSize\":\"20um\"%s}", SIZE,
-             SIZE, json);
-    if (sensor_of(MCV_SENSOR_PINHOLE, text, &sensor, &error) != MCV_OK) fail_msg("%s", error.text);
-    return sensor;
-}
-
-static mcv_image picture_by(bool reference, const mcv_scene *scene) {
-    mcv_image image;
-    mcv_film film;
-    mcv_render_stats stats;
-    if (reference) {
-        mcv_render_options options = options_of(64, 1);
-        options.replicates = 2;
-        film = render_with(scene, &options, false, &stats);
-    } else {
-        mcv_render_options options = mcv_render_defaults();
-        options.replicates = 2;
-        options.last = 128;
-        options.depth = 1;
-        BUILD(mcv_render(scene, 0, &options, &film, &stats, &builder_error));
-    }
-    BUILD(mcv_film_develop(&film, &image, NULL, &builder_error));
-    mcv_film_free(&film);
-    return image;
-}
-
-/* Mean place of the edge in a row (or column), and its variance, in pixels. */
-static void edge_of(const mcv_image *image, bool across, uint32_t line, double *place,
-                    double *variance) {
-    double sum = 0, first = 0, second = 0;
-    for (uint32_t i = 1; i < SIZE; ++i) {
-        const float *p = image->pixels;
-        const double weight = across ? (double)p[i * SIZE + line] - p[(i - 1) * SIZE + line]
-                                     : (double)p[line * SIZE + i] - p[line * SIZE + i - 1];
-        sum += weight, first += weight * i, second += weight * i * i;
-    }
-    *place = first / sum;
-    *variance = second / sum - *place * *place;
-}
-
-/* The spread of the edge at 1/16 per pixel: the transfer function, with that of the pixels and of
- * the difference between them. */
-static const double frequency = 1 / 16.0;
-
-static double sinc(double x) { return sin(M_PI * x) / (M_PI * x); }
-
-static double transfer_of(const mcv_image *image, bool across) {
-    double complex sum = 0;
-    double all = 0;
-    for (uint32_t line = 0; line < SIZE; ++line)
-        for (uint32_t i = 1; i < SIZE; ++i) {
-            const float *p = image->pixels;
-            const double weight = across ? (double)p[i * SIZE + line] - p[(i - 1) * SIZE + line]
-                                         : (double)p[line * SIZE + i] - p[line * SIZE + i - 1];
-            sum += weight * cexp(I * 2 * M_PI * frequency * i);
-            all += weight;
-        }
-    return cabs(sum) / fabs(all);
-}
-
-/* Over all lines: place of the edge on the first and the last line by a straight fit, the mean
- * variance, and the transfer function. */
-typedef struct edge {
-    double middle, slope, variance, transfer;
-} edge;
-
 static edge measure(bool reference, const mcv_sensor *camera, mcv_transform at, bool across) {
     mcv_scene *scene = scene_of(camera, at, across);
-    mcv_image image = picture_by(reference, scene);
-    double sum[2] = {0}, variance = 0;
-    for (uint32_t line = 0; line < SIZE; ++line) {
-        double place, spread;
-        edge_of(&image, across, line, &place, &spread);
-        sum[0] += place / SIZE, sum[1] += place * (line - (SIZE - 1) / 2.0),
-            variance += spread / SIZE;
-    }
-    const double transfer = transfer_of(&image, across);
-    mcv_image_free(&image);
+    const edge e = edge_in(reference, scene, 1, across);
     mcv_scene_free(scene);
-    return (edge){sum[0], sum[1] / (SIZE * (SIZE * SIZE - 1) / 12.0), variance, transfer};
-}
-
-static void expect(const char *what, double value, double truth, double bound) {
-    print_message("  %s: %.4f, must be %.4f\n", what, value, truth);
-    if (!(fabs(value - truth) < bound)) fail_msg("%s: %.4f, not %.4f", what, value, truth);
+    return e;
 }
 
 static const mcv_transform *here(void) {
@@ -272,7 +179,7 @@ static void test_encoder(void **state) {
     mcv_motion_prepare(&camera, &motion);
     for (int reference = 0; reference < 2; ++reference) {
         mcv_scene *scene = scene_of(&camera, *here(), false);
-        mcv_image image = picture_by(reference, scene);
+        mcv_image image = picture_by(reference, scene, 1);
         double squares = 0;
         for (uint32_t line = 0; line < SIZE; ++line) {
             const double u = mcv_line_draw(3, line, 0), v = mcv_line_draw(3, line, 1),
@@ -364,16 +271,15 @@ static void test_files(void **state) {
     if (load_text("motion.gltf", RIG("{\"velocity\":[1,2,3],\"axis\":[0,3,4],\"rate\":2}", HERE),
                   NULL, &scene, &error) != MCV_OK)
         fail_msg("%s", error.text);
-    const mcv_sensor_motion *m = &scene->sensors[0].motion;
+    const mcv_node_motion *m = &scene->sensors[0].motion;
     assert_true(m->velocity[0] == 1 && m->velocity[2] == 3 && m->rate == 2);
     assert_true(fabs(m->axis[1] - 0.6) < 1e-15 && fabs(m->axis[2] - 0.8) < 1e-15);
-    assert_true(mcv_sensor_needs_time(&scene->sensors[0]));
-    assert_false(mcv_sensor_needs_time(&scene->sensors[1]));
+    assert_true(mcv_needs_time(scene, &scene->sensors[0]));
+    assert_false(mcv_needs_time(scene, &scene->sensors[1]));
     mcv_scene_free(scene);
     must_refuse("a.gltf", RIG("{\"rate\":2}", HERE), "MCVISI_motion/axis: is missing");
     must_refuse("b.gltf", RIG("{\"speed\":2}", HERE), "unknown key \"speed\"");
     must_refuse("c.gltf", RIG("{\"velocity\":[1,2]}", HERE), "velocity");
-    must_refuse("d.gltf", RIG("{\"velocity\":[1,2,3]}", ""), "is on a node without a sensor");
     must_refuse("e.gltf", RIG("3", HERE), "MCVISI_motion: must be an object");
 }
 
