@@ -64,7 +64,7 @@ static mcv_result keep_attributes(const mcv_rendering *r, mcv_matrix *matrix, mc
 }
 
 /* From the gathered records, with the matrix's groups and pattern, which it keeps. */
-static mcv_result finish_matrix(const mcv_rendering *r, const mcv_gather *gather, double keep,
+static mcv_result finish_matrix(const mcv_rendering *r, mcv_gather *gather, double keep,
                                 mcv_matrix *matrix, mcv_error *error) {
     const mcv_film *film = r->rendered.film;
     mcv_matrix whole;
@@ -73,13 +73,12 @@ static mcv_result finish_matrix(const mcv_rendering *r, const mcv_gather *gather
         return mcv_fail(error, MCV_INTERRUPTED, "%s: interrupted before its first sample",
                         r->rendered.scene->path);
     MCV_TRY(mcv_scene_elements(r->rendered.scene, &elements, error));
-    MCV_TRY(
-        mcv_matrix_make(gather, film->width, film->height, film->samples, elements, &whole, error));
+    MCV_TRY(mcv_matrix_make(gather, film->width, film->height, film->samples, elements, keep,
+                            &whole, error));
     whole.groups = matrix->groups;
     whole.group_count = matrix->group_count;
     whole.pattern = matrix->pattern;
     *matrix = whole;
-    MCV_TRY(mcv_matrix_thin(matrix, keep, error));
     return keep_attributes(r, matrix, error);
 }
 

@@ -82,11 +82,12 @@ static mcv_result launch(mcv_renderer *r, uint32_t sets, uint32_t first_block, m
     MCV_TRY(mcv_clear_records(r));
     MCV_TRY(mcv_schedule_start(&r->schedule, &r->frame, r->stats, r->error));
     accumulate_readback(r, h);
+    MCV_TRY(mcv_give_records(r));
     MCV_TRY(mcv_schedule_wait(&r->schedule, r->stats, r->error));
     MCV_TRY(mcv_cl_read(&r->cl, r->schedule.sums, 0,
                         8 * (size_t)sets * h->launched_blocks * r->film->channels, h->read,
                         r->error));
-    MCV_TRY(mcv_take_records(r));
+    MCV_TRY(mcv_read_records(r));
     h->first_set = r->frame.first_set;
     h->sets = sets;
     h->first_block = first_block;
@@ -214,6 +215,7 @@ mcv_result mcv_render_class(mcv_renderer *r, mcv_pixel_class class, uint64_t fir
         if (result == MCV_OK) result = save(r, &pass, *stop);
     }
     if (result == MCV_OK) mcv_class_pass_read(r, &pass);
+    if (result == MCV_OK) result = mcv_give_records(r);
     mcv_class_pass_end(&pass);
     return result;
 }

@@ -41,7 +41,7 @@ static mcv_result repeat(mcv_renderer *r, uint32_t sets, uint32_t log2_samples) 
     MCV_TRY(mcv_clear_records(r));
     MCV_TRY(mcv_schedule_start(&r->schedule, &r->frame, r->stats, r->error));
     MCV_TRY(mcv_schedule_wait(&r->schedule, r->stats, r->error));
-    MCV_TRY(mcv_take_records(r));
+    MCV_TRY(mcv_read_records(r));
     *r->stats = before;
     return MCV_OK;
 }
@@ -67,14 +67,21 @@ static mcv_result repeat_in_halves(mcv_renderer *r) {
     return result;
 }
 
-mcv_result mcv_take_records(mcv_renderer *r) {
+mcv_result mcv_give_records(mcv_renderer *r) {
     const mcv_record_sink *sink = r->options->records;
+    const size_t count = r->record_count;
+    r->record_count = 0;
+    return count > 0 ? sink->take(sink->user, r->records, count, r->error) : MCV_OK;
+}
+
+mcv_result mcv_read_records(mcv_renderer *r) {
     cl_uint count;
     if (r->frame.record_capacity == 0) return MCV_OK;
+    MCV_TRY(mcv_give_records(r));
     MCV_TRY(mcv_cl_read(&r->cl, r->scene.records, 0, sizeof count, &count, r->error));
     if (count > r->frame.record_capacity) return repeat_in_halves(r);
+    r->record_count = count;
     if (count == 0) return MCV_OK;
-    MCV_TRY(mcv_cl_read(&r->cl, r->scene.records, COUNT_BYTES, count * record_bytes(r), r->records,
-                        r->error));
-    return sink->take(sink->user, r->records, count, r->error);
+    return mcv_cl_read(&r->cl, r->scene.records, COUNT_BYTES, count * record_bytes(r), r->records,
+                       r->error);
 }

@@ -121,6 +121,8 @@ static uint64_t first_round(const mcv_renderer *r) {
     const bool ends_by_samples =
         o->last > 0 && !(o->error > 0) && !(o->seconds > 0) && !o->enough && !r->stats->interrupted;
     const uint64_t all = o->last > 0 ? o->last - o->first : MCV_MIN_SAMPLES;
+    /* Records then come tile by tile of the image. */
+    if (ends_by_samples && o->records) return all;
     const uint64_t fitting =
         r->schedule.capacity /
         (mcv_tiled_pixels(r->film->width, r->film->height) * r->film->replicates);
@@ -280,6 +282,7 @@ static void end_render(mcv_renderer *r) {
     r->round = NULL;
     r->records = NULL;
     r->recording_sets = 0;
+    r->record_count = 0;
     r->listed = NULL;
     r->splats = NULL;
 }

@@ -50,8 +50,9 @@ struct mcv_renderer {
     uint32_t *listed; /* the pixels by class; NULL: all in their order, one class */
     mcv_pixel_class classes[MCV_MAX_CLASSES];
     uint32_t class_count;
-    uint64_t *splats;  /* what light paths have brought, taken off the devices; NULL without */
-    uint32_t *records; /* of a launch, as read from the device */
+    uint64_t *splats;    /* what light paths have brought, taken off the devices; NULL without */
+    uint32_t *records;   /* of a launch, as read from the device */
+    size_t record_count; /* of those, what the options' sink has not taken */
     uint32_t recording_sets; /* a launch had room for the records of so many sets; 0: of all */
     mcv_round part;          /* where the image's round stands; its sums are `round` */
     bool in_round; /* samples of the image are rendered: not those of a pilot or a picture */
@@ -133,9 +134,11 @@ mcv_result mcv_open_records(mcv_renderer *r);
 /* Before a launch: it has no records yet. */
 mcv_result mcv_clear_records(mcv_renderer *r);
 
-/* After a launch: gives its records to the options' sink. If they did not fit, the launch is
- * repeated in parts. */
-mcv_result mcv_take_records(mcv_renderer *r);
+/* After a launch: reads its records. If they did not fit, the launch is repeated in parts. */
+mcv_result mcv_read_records(mcv_renderer *r);
+
+/* Gives the options' sink the records that were read: best while the device has another launch. */
+mcv_result mcv_give_records(mcv_renderer *r);
 
 /* save.c */
 

@@ -138,7 +138,8 @@ typedef struct mcv_emitter {
     double radiance[3]; /* from the parameter or from power [W/(m² sr)]; for some types an
                            irradiance [W/m²] or intensity [W/sr] */
     double area;        /* of the instance in the world [m²]; 0 without one */
-    bool by_pixel;      /* each pixel of its image is an element of its own (device/pack.h) */
+    bool by_pixel;      /* each pixel of its image, which is white, is an element of its own
+                           (device/pack.h) */
     bool bare_angle;    /* its halfAngle or outerConeAngle was given as a number without a unit */
     mcv_transform
         to_world; /* without an instance: the node's rotation and translation; it emits along -z */

@@ -8,51 +8,38 @@
 #include "core/basics.h"
 #include "mcvisi/tables.h"
 
-enum { FIRST_CAPACITY = 1 << 12, UNIT_BITS = 72, MOST_BITS = 120 };
+enum {
+    FIRST_CAPACITY = 1 << 12, /* entries of a tile: 8 x 8 pixels of 64 elements */
+    UNIT_BITS = 72,
+    MOST_BITS = 120,
+    READING_SHARE = 8 /* of the memory, for reading what is in the file */
+};
 
 static size_t cells_of(const mcv_gather *g) { return (size_t)g->replicates * g->channels; }
 
-/* Bytes of tables for so many entries. */
-static double bytes_for(const mcv_gather *g, size_t capacity) {
-    return (double)capacity *
-           (double)(2 * sizeof *g->slots + sizeof *g->keys + cells_of(g) * sizeof *g->sums);
+/* Bytes of tables for so many entries, and of their order. */
+static size_t bytes_for(const mcv_gather *g, size_t capacity) {
+    return capacity * (2 * sizeof *g->slots + sizeof *g->keys + sizeof *g->order +
+                       cells_of(g) * sizeof *g->sums);
 }
 
-/* Bytes of the matrix that is made from so many entries while they are still there: place, column,
- * value and replicates of each channel (transport/matrix.c). */
-static double bytes_of_matrix(const mcv_gather *g, size_t capacity) {
-    return (double)capacity * g->channels *
-           (double)(sizeof(double) + 3 * sizeof(uint32_t) + g->replicates * sizeof(float));
-}
-
-static size_t slot_for(const mcv_gather *g, const uint32_t *slots, size_t capacity,
-                       mcv_gather_key key) {
-    uint64_t hash = ((uint64_t)key.pixel << 32 | key.element) * 0x9e3779b97f4a7c15u;
+static size_t slot_for(const mcv_gather *g, const uint32_t *slots, size_t capacity, uint64_t key) {
+    const uint64_t hash = key * 0x9e3779b97f4a7c15u;
     size_t slot = (size_t)((hash ^ hash >> 32) & (2 * capacity - 1));
-    while (slots[slot] > 0) {
-        const mcv_gather_key *taken = g->keys + slots[slot] - 1;
-        if (taken->pixel == key.pixel && taken->element == key.element) break;
+    while (slots[slot] > 0 && g->keys[slots[slot] - 1] != key)
         slot = (slot + 1) & (2 * capacity - 1);
-    }
     return slot;
 }
 
 /* Room for twice the entries. */
 static mcv_result grow(mcv_gather *g, mcv_error *error) {
     const size_t capacity = g->capacity > 0 ? 2 * g->capacity : FIRST_CAPACITY;
-    /* While the sums move, the old ones are there, too; in the end the matrix is. */
-    if (bytes_for(g, capacity) + fmax(bytes_for(g, g->capacity), bytes_of_matrix(g, capacity)) >
-        (double)g->most_bytes)
-        return mcv_fail(error, MCV_BAD_INPUT,
-                        "the matrix has more than %zu entries, for which --memory %.3g GiB has no "
-                        "room: give more, fewer pixels, or --elements lamps",
-                        g->count, (double)g->most_bytes / 0x1p30);
     uint32_t *slots = calloc(2 * capacity, sizeof *slots);
-    mcv_gather_key *keys = realloc(g->keys, capacity * sizeof *keys);
+    uint64_t *keys = realloc(g->keys, capacity * sizeof *keys);
     if (keys) g->keys = keys;
     mcv_wide *sums = realloc(g->sums, capacity * cells_of(g) * sizeof *sums);
     if (sums) g->sums = sums;
-    if (!slots || !keys || !sums || capacity > UINT32_MAX / 2) {
+    if (!slots || !keys || !sums) {
         free(slots);
         return mcv_fail(error, MCV_FAILED, "no memory for %zu entries of a matrix", capacity);
     }
@@ -73,15 +60,103 @@ mcv_result mcv_gather_new(mcv_gather *gather, uint32_t channels, uint32_t replic
                            .exponent = exponent - UNIT_BITS,
                            .scale = ldexp(1, UNIT_BITS - exponent),
                            .most_bytes = most_bytes};
-    return grow(gather, error);
+    mcv_runs_new(&gather->runs, channels * replicates);
+    if (bytes_for(gather, FIRST_CAPACITY) > most_bytes)
+        return mcv_fail(error, MCV_BAD_INPUT,
+                        "--memory: too little for the light of one tile of the image: give %zu kB "
+                        "or more",
+                        (bytes_for(gather, FIRST_CAPACITY) * 4 / 3 + 999) / 1000);
+    const mcv_result result = grow(gather, error);
+    if (result != MCV_OK) mcv_gather_free(gather);
+    return result;
 }
 
+/* --- what leaves memory --- */
+
+static int by_key(const void *a, const void *b) {
+    const mcv_sorted_key *x = a, *y = b;
+    return (x->key > y->key) - (x->key < y->key);
+}
+
+static mcv_result sort_entries(mcv_gather *g, mcv_error *error) {
+    g->order = malloc((g->count + 1) * sizeof *g->order);
+    if (!g->order) return mcv_fail(error, MCV_FAILED, "no memory for the order of entries");
+    for (size_t i = 0; i < g->count; ++i) g->order[i] = (mcv_sorted_key){g->keys[i], i};
+    qsort(g->order, g->count, sizeof *g->order, by_key);
+    return MCV_OK;
+}
+
+/* All entries go to the file. */
+static mcv_result spill(mcv_gather *g, mcv_error *error) {
+    MCV_TRY(sort_entries(g, error));
+    const mcv_result result = mcv_runs_add(&g->runs, g->order, g->count, g->sums, error);
+    free(g->order);
+    g->order = NULL;
+    g->count = 0;
+    memset(g->slots, 0, 2 * g->capacity * sizeof *g->slots);
+    return result;
+}
+
+/* Room for an entry. While a table grows, the old one is there, too. */
+static mcv_result make_room(mcv_gather *g, mcv_error *error) {
+    const bool larger = g->capacity < UINT32_MAX / 4 &&
+                        bytes_for(g, 2 * g->capacity) + bytes_for(g, g->capacity) <= g->most_bytes;
+    return larger ? grow(g, error) : spill(g, error);
+}
+
+static void free_tables(mcv_gather *g) {
+    free(g->slots);
+    free(g->keys);
+    free(g->sums);
+    free(g->order);
+    g->slots = NULL;
+    g->keys = NULL;
+    g->sums = NULL;
+    g->order = NULL;
+    g->count = g->capacity = 0;
+}
+
+size_t mcv_gather_bytes(const mcv_gather *gather) {
+    return bytes_for(gather, gather->capacity) + gather->runs.bytes;
+}
+
+mcv_result mcv_gather_sort(mcv_gather *gather, size_t left, mcv_error *error) {
+    if (gather->runs.count == 0 && mcv_gather_bytes(gather) + left <= gather->most_bytes)
+        return sort_entries(gather, error);
+    MCV_TRY(spill(gather, error));
+    free_tables(gather);
+    return MCV_OK;
+}
+
+mcv_result mcv_gather_rewind(mcv_gather *gather, mcv_error *error) {
+    gather->next = 0;
+    return mcv_runs_rewind(&gather->runs, gather->most_bytes / READING_SHARE, error);
+}
+
+mcv_result mcv_gather_next(mcv_gather *gather, mcv_gather_entry *entry, bool *more,
+                           mcv_error *error) {
+    uint64_t key = 0;
+    entry->sums = NULL;
+    if (!gather->order) {
+        MCV_TRY(mcv_runs_next(&gather->runs, &key, &entry->sums, error));
+    } else if (gather->next < gather->count) {
+        key = gather->order[gather->next].key;
+        entry->sums = gather->sums + gather->order[gather->next++].entry * cells_of(gather);
+    }
+    entry->pixel = (uint32_t)(key >> 32);
+    entry->element = (uint32_t)key;
+    *more = entry->sums != NULL;
+    return MCV_OK;
+}
+
+/* --- records --- */
+
 /* The entry of a key, a new one if need be. */
-static mcv_result find_entry(mcv_gather *g, mcv_gather_key key, size_t *entry, mcv_error *error) {
+static mcv_result find_entry(mcv_gather *g, uint64_t key, size_t *entry, mcv_error *error) {
     size_t slot = slot_for(g, g->slots, g->capacity, key);
     if (g->slots[slot] == 0) {
         if (g->count == g->capacity) {
-            MCV_TRY(grow(g, error));
+            MCV_TRY(make_room(g, error));
             slot = slot_for(g, g->slots, g->capacity, key);
         }
         g->keys[g->count] = key;
@@ -107,11 +182,19 @@ static mcv_result add_value(const mcv_gather *g, mcv_wide *sum, float value, mcv
     return MCV_OK;
 }
 
+/* A shadow ray has reserved a record before its light was known. */
+static bool brings_nothing(const mcv_gather *g, const uint32_t *record) {
+    uint32_t bits = 0;
+    for (uint32_t c = 0; c < g->channels; ++c) bits |= record[2 + c];
+    return bits << 1 == 0;
+}
+
 mcv_result mcv_gather_add(void *user, const uint32_t *records, size_t count, mcv_error *error) {
     mcv_gather *g = user;
     const size_t words = MCV_RECORD_WORDS(g->channels);
     for (const uint32_t *end = records + count * words; records < end; records += words) {
-        const mcv_gather_key key = {records[0] / g->replicates, records[1]};
+        if (brings_nothing(g, records)) continue;
+        const uint64_t key = MCV_ENTRY_KEY(records[0] / g->replicates, records[1]);
         size_t entry;
         MCV_TRY(find_entry(g, key, &entry, error));
         mcv_wide *sums = g->sums + entry * cells_of(g) + (records[0] % g->replicates) * g->channels;
@@ -125,8 +208,6 @@ mcv_result mcv_gather_add(void *user, const uint32_t *records, size_t count, mcv
 }
 
 void mcv_gather_free(mcv_gather *gather) {
-    free(gather->slots);
-    free(gather->keys);
-    free(gather->sums);
-    *gather = (mcv_gather){0};
+    free_tables(gather);
+    mcv_runs_free(&gather->runs);
 }

@@ -3,18 +3,14 @@
  * Adds up the records of a render (kernels/stage/record_light.h) by pixel, element, replicate and
  * channel. Sums are integers of 128 bits, so that they do not depend on the records' order: the
  * same seed gives the same bits on each device and in both schedules.
+ *
+ * A render goes through the image tile by tile. Sums that have no room in memory go to a file, and
+ * come back in the order of pixels and elements (transport/runs.h): any image has room.
  */
 #ifndef MCVISI_HOST_TRANSPORT_GATHER_H
 #define MCVISI_HOST_TRANSPORT_GATHER_H
 
-#include "core/error.h"
-
-typedef __int128 mcv_wide;
-
-/* One element's light in one pixel. */
-typedef struct mcv_gather_key {
-    uint32_t pixel, element;
-} mcv_gather_key;
+#include "transport/runs.h"
 
 typedef struct mcv_gather {
     uint32_t channels, replicates;
@@ -22,21 +18,45 @@ typedef struct mcv_gather {
     double scale;      /* 2^-exponent */
     size_t most_bytes; /* memory that it may take */
     size_t count, capacity;
-    uint32_t *slots;      /* of a hash table of 2 capacity: index + 1 of an entry, 0: free */
-    mcv_gather_key *keys; /* of the entries, in the order of their first records */
-    mcv_wide *sums;       /* [entry][replicate][channel] */
+    uint32_t *slots;       /* of a hash table of 2 capacity: index + 1 of an entry, 0: free */
+    uint64_t *keys;        /* of the entries, in the order of their first records: MCV_ENTRY_KEY */
+    mcv_wide *sums;        /* [entry][replicate][channel] */
+    mcv_runs runs;         /* what has left memory */
+    mcv_sorted_key *order; /* of the entries in memory, once sorted */
+    size_t next;           /* place in it of what is read next */
 } mcv_gather;
+
+/* One element's light in one pixel. */
+#define MCV_ENTRY_KEY(pixel, element) ((uint64_t)(pixel) << 32 | (element))
+typedef struct mcv_gather_entry {
+    uint32_t pixel, element;
+    const mcv_wide *sums; /* [replicate][channel] */
+} mcv_gather_entry;
 
 /*
  * An empty one. `brightest` is about the largest value of a pixel: the unit is 2^-72 of it, and a
- * sum has room for 2^54 of it.
+ * sum has room for 2^54 of it. MCV_BAD_INPUT if the memory has no room for the light of one tile of
+ * the image.
  */
 mcv_result mcv_gather_new(mcv_gather *gather, uint32_t channels, uint32_t replicates,
                           double brightest, size_t most_bytes, mcv_error *error);
 
-/* Adds records; `user` is the gather (mcv_records_told). MCV_BAD_INPUT if they need more memory
- * than allowed. */
+/* Adds records; `user` is the gather (mcv_records_told). */
 mcv_result mcv_gather_add(void *user, const uint32_t *records, size_t count, mcv_error *error);
+
+/* After the last records: keeps the entries in memory if `left` bytes remain beside them, for what
+ * is made of them; else all go to the file. */
+mcv_result mcv_gather_sort(mcv_gather *gather, size_t left, mcv_error *error);
+
+/* Begins to read all entries, sorted by pixel and element. */
+mcv_result mcv_gather_rewind(mcv_gather *gather, mcv_error *error);
+
+/* The next one; *more: there was one. Its sums last until the next call. */
+mcv_result mcv_gather_next(mcv_gather *gather, mcv_gather_entry *entry, bool *more,
+                           mcv_error *error);
+
+/* The bytes that it takes now. */
+size_t mcv_gather_bytes(const mcv_gather *gather);
 
 void mcv_gather_free(mcv_gather *gather);
 

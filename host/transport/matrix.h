@@ -49,17 +49,14 @@ typedef struct mcv_matrix {
     json_t *attributes;    /* those of the image's header */
 } mcv_matrix;
 
-/* From what was gathered. `elements`: of the scene's emitters. The groups, pattern and attributes
- * are empty. */
-mcv_result mcv_matrix_make(const mcv_gather *gather, uint32_t width, uint32_t height,
-                           uint64_t samples, uint32_t elements, mcv_matrix *matrix,
-                           mcv_error *error);
-
 /*
- * Keeps the strongest entries of each row that make up the share `keep` of its sum, 0 < keep <= 1.
- * The others are added up in one more column, whose value in a pattern is the mean of the pattern.
+ * From what was gathered. `elements`: of the scene's emitters. The groups, pattern and
+ * attributes are empty. Keeps the strongest entries of each row that make up the share `keep` of
+ * its sum, 0 < keep <= 1; the others are added up in one more column, whose value in a pattern is
+ * the mean of the pattern. MCV_BAD_INPUT if the matrix has no room in the gather's memory.
  */
-mcv_result mcv_matrix_thin(mcv_matrix *matrix, double keep, mcv_error *error);
+mcv_result mcv_matrix_make(mcv_gather *gather, uint32_t width, uint32_t height, uint64_t samples,
+                           uint32_t elements, double keep, mcv_matrix *matrix, mcv_error *error);
 
 /*
  * The image of a pattern, [element][channel], and its standard error from the replicates (NaN of a

@@ -58,17 +58,35 @@ MCV_BATCH void mcv_begin_shadows(mcv_hits hits, uint first, uint last) {
         mcv_put_hit(hits, first + i, mcv_miss(-INFINITY));
 }
 
+MCV_LOOP_FUNCTION int mcv_is_lit(mcv_hit hit, int any) {
+    return (hit.t > -INFINITY) & (!any | (hit.triangle == MCV_NONE));
+}
+
+#if MCV_WITH_RECORDS
+MCV_BATCH uint mcv_count_lit(uint *paths, uint first, uint last, int any, mcv_hits hits) {
+    uint lit = 0;
+    MCV_EACH_PATH (slot, paths, first, first + mcv_fill_lanes(last - first))
+        lit += (uint)mcv_is_lit(mcv_hit_of(hits, slot.index), any);
+    return lit;
+}
+#endif
+
 /* Adds the light of the shadow rays that arrive: where any hit blocks they have none, else they
  * have hit their target. */
 MCV_BATCH void mcv_add_shadow_lights(mcv_world world, uint *paths, uint first, uint last, int any,
                                      mcv_hits hits) {
+    uint place = 0;
+#if MCV_WITH_RECORDS
+    place = mcv_reserve_records(world, mcv_count_lit(paths, first, last, any, hits));
+#endif
 #if !((MCV_WITH_PARALLEL || MCV_WITH_BEAM) && MCV_WITH_TEXTURE) && !MCV_WITH_RECORDS
     MCV_VECTORIZE
 #endif
     MCV_EACH_PATH (slot, paths, first, first + mcv_fill_lanes(last - first)) {
         const mcv_hit hit = mcv_hit_of(hits, slot.index);
-        mcv_add_shadow_light(world, slot, hit,
-                             (hit.t > -INFINITY) & (!any | (hit.triangle == MCV_NONE)));
+        const int lit = mcv_is_lit(hit, any);
+        mcv_add_shadow_light(world, slot, hit, lit, place);
+        if (MCV_WITH_RECORDS) place += (uint)lit;
     }
 }
 

@@ -13,8 +13,9 @@
 #include "stage/record_light.h"
 
 /* The light of the emitter at the hit arrives, if it is lit; a ray that ends at the emitter's point
- * has no triangle. */
-MCV_LOOP_FUNCTION void mcv_add_shadow_light(mcv_world world, mcv_slot slot, mcv_hit hit, int lit) {
+ * has no triangle. `place`: reserved for its record, if it is lit. */
+MCV_LOOP_FUNCTION void mcv_add_shadow_light(mcv_world world, mcv_slot slot, mcv_hit hit, int lit,
+                                            uint place) {
     mcv_color light;
     mcv_color radiance;
     uint element = MCV_WITH_RECORDS ? MCV_WORD(slot, shadow_element, 0) : 0u;
@@ -25,12 +26,13 @@ MCV_LOOP_FUNCTION void mcv_add_shadow_light(mcv_world world, mcv_slot slot, mcv_
         const mcv_surface there = mcv_surface_at(world, hit.triangle, hit.u, hit.v);
         const uint emitter = world.instances[there.instance].emitter,
                    texture = world.emitters[emitter].texture;
-        if (texture != MCV_NONE) {
-            light = mcv_tint(light, mcv_texture_at(world, there, texture));
+        /* An image whose pixels are told apart is white (host/transport/white.h). */
+        if (MCV_WITH_RECORDS && world.emitters[emitter].element_width > 0u)
             element =
                 mcv_element_of(world, emitter, there,
                                mcv_scale(mcv_normalize(MCV_LOAD_3(slot, shadow_direction)), -1.0f));
-        }
+        else if (texture != MCV_NONE)
+            light = mcv_tint(light, mcv_texture_at(world, there, texture));
     }
 #endif
     if (MCV_WITH_ABSORPTION) {
@@ -42,7 +44,7 @@ MCV_LOOP_FUNCTION void mcv_add_shadow_light(mcv_world world, mcv_slot slot, mcv_
     MCV_LOAD_COLOR(slot, radiance, radiance);
     MCV_EACH_CHANNEL(i) radiance.c[i] = lit ? radiance.c[i] + light.c[i] : radiance.c[i];
     MCV_STORE_COLOR(slot, radiance, radiance);
-    if (MCV_WITH_RECORDS && lit) mcv_record_radiance(world, slot, element, light);
+    if (MCV_WITH_RECORDS && lit) mcv_record_at(world, slot, place, element, light);
 }
 
 /* Whether shadow rays may have to meet their emitter. */
@@ -84,6 +86,11 @@ MCV_FUNCTION mcv_hit mcv_shadow_past_solids(mcv_world world, mcv_slot slot, mcv_
                                       MCV_WORD(slot, shadow_origin_surface, 0), hit);
 }
 
+/* Adds the light of a single shadow ray. */
+MCV_FUNCTION void mcv_add_single_light(mcv_world world, mcv_slot slot, mcv_hit hit) {
+    mcv_add_shadow_light(world, slot, hit, 1, mcv_reserve_records(world, 1u));
+}
+
 MCV_FUNCTION void mcv_intersect_shadow(mcv_world world, mcv_slot slot) {
     const mcv_vec3 origin = MCV_LOAD_3(slot, shadow_origin);
     const mcv_vec3 direction = MCV_LOAD_3(slot, shadow_direction);
@@ -92,14 +99,14 @@ MCV_FUNCTION void mcv_intersect_shadow(mcv_world world, mcv_slot slot) {
             world, slot, mcv_shadow_past_moving(world, slot, mcv_miss(mcv_shadow_end(slot))));
         if (end.triangle == MCV_NONE &&
             !mcv_intersect_any_ray(world.nodes, world.leaves, origin, direction, end.t))
-            mcv_add_shadow_light(world, slot, end, 1);
+            mcv_add_single_light(world, slot, end);
     } else {
         const mcv_hit hit = mcv_shadow_past_solids(
             world, slot,
             mcv_shadow_past_moving(
                 world, slot,
                 mcv_intersect_closest_ray(world.nodes, world.leaves, origin, direction, INFINITY)));
-        if (mcv_hits_target(world, slot, hit)) mcv_add_shadow_light(world, slot, hit, 1);
+        if (mcv_hits_target(world, slot, hit)) mcv_add_single_light(world, slot, hit);
     }
 }
 

@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Light transport matrices of made-up records: sums, thinning, products, files. */
+#include "matrices.h"
 #include "test.h"
 
 #include "mcvisi/tables.h"
@@ -39,17 +40,22 @@ static void make_records(uint32_t *records) {
     }
 }
 
-static mcv_matrix make_matrix(const uint32_t *records, bool backwards) {
+/* In so many bytes of memory, which have room for all or send most to a file. */
+static mcv_matrix make_in(size_t memory, const uint32_t *records, bool backwards, double keep) {
     mcv_gather gather;
     mcv_matrix matrix;
-    WELL(mcv_gather_new(&gather, CHANNELS, REPLICATES, 1, (size_t)1 << 30, &error));
+    WELL(mcv_gather_new(&gather, CHANNELS, REPLICATES, 1, memory, &error));
     for (int i = 0; i < RECORDS; ++i) {
         const size_t at = (size_t)(backwards ? RECORDS - 1 - i : i) * WORDS;
         WELL(mcv_gather_add(&gather, records + at, 1, &error));
     }
-    WELL(mcv_matrix_make(&gather, WIDTH, HEIGHT, SAMPLES, ELEMENTS, &matrix, &error));
+    WELL(mcv_matrix_make(&gather, WIDTH, HEIGHT, SAMPLES, ELEMENTS, keep, &matrix, &error));
     mcv_gather_free(&gather);
     return matrix;
+}
+
+static mcv_matrix make_matrix(const uint32_t *records, bool backwards) {
+    return make_in((size_t)1 << 30, records, backwards, 1);
 }
 
 /* A header, which files need. */
@@ -68,17 +74,6 @@ static void describe(mcv_matrix *m) {
     }
     for (int i = 0; i < ELEMENTS * CHANNELS; ++i) m->pattern[i] = 0.25f * (float)i;
     m->attributes = json_pack("{s:s}", "mcvisi:unit", "W/m^2");
-}
-
-static void expect_equal(const char *what, const mcv_matrix *a, const mcv_matrix *b) {
-    const uint64_t count = a->row_begins[a->row_count];
-    if (a->row_count != b->row_count || b->row_begins[b->row_count] != count ||
-        memcmp(a->row_begins, b->row_begins, (a->row_count + 1) * sizeof *a->row_begins) != 0 ||
-        memcmp(a->columns, b->columns, count * sizeof *a->columns) != 0 ||
-        memcmp(a->values, b->values, count * sizeof *a->values) != 0 ||
-        memcmp(a->replicates_of, b->replicates_of,
-               count * a->replicates * sizeof *a->replicates_of) != 0)
-        fail_msg("%s: the matrices differ", what);
 }
 
 /*
@@ -139,8 +134,8 @@ static void test_thinning_keeps_white(void **state) {
     mcv_image white, deviation;
     (void)state;
     make_records(records);
-    mcv_matrix m = make_matrix(records, false), thin = make_matrix(records, false);
-    WELL(mcv_matrix_thin(&thin, 0.9, &error));
+    mcv_matrix m = make_matrix(records, false),
+               thin = make_in((size_t)1 << 30, records, false, 0.9);
     for (int i = 0; i < ELEMENTS * CHANNELS; ++i) ones[i] = 1;
     WELL(mcv_matrix_relight(&thin, ones, &white, &deviation, &error));
     assert_int_equal(thin.column_count, ELEMENTS + 1);
@@ -230,9 +225,8 @@ static void test_files(void **state) {
     size_t size;
     (void)state;
     make_records(records);
-    mcv_matrix m = make_matrix(records, false);
+    mcv_matrix m = make_in((size_t)1 << 30, records, false, 0.5);
     describe(&m);
-    WELL(mcv_matrix_thin(&m, 0.5, &error));
     WELL(mcv_matrix_write(&m, "good.npz", &error));
     WELL(mcv_matrix_read("good.npz", &read, &error));
     expect_equal("written and read", &m, &read);
@@ -298,15 +292,50 @@ static void test_matrix_market(void **state) {
     mcv_matrix_free(&m);
 }
 
-/* More entries than there is memory for are refused. */
+/* Records of as many entries: each has an element of its own. */
+static void tell_apart(uint32_t *records) {
+    for (int i = 0; i < RECORDS; ++i) records[i * WORDS + 1] = (uint32_t)(i % 4500);
+}
+
+/* 6000 records of 4500 elements do not fit into the table of 1 MB, which has room for 4096 entries:
+ * what went to a file, in part twice, makes the same matrix, whole and thinned. */
+static void test_files_take_what_memory_has_no_room_for(void **state) {
+    static uint32_t records[RECORDS * WORDS];
+    static const double keeps[] = {1, 0.7};
+    (void)state;
+    make_records(records);
+    tell_apart(records);
+    for (size_t i = 0; i < sizeof keeps / sizeof keeps[0]; ++i) {
+        mcv_matrix m = make_in((size_t)1 << 30, records, false, keeps[i]),
+                   small = make_in((size_t)1 << 20, records, true, keeps[i]);
+        /* Each channel of an entry is one of the matrix. */
+        assert_true(i > 0 || m.row_begins[m.row_count] > (uint64_t)4096 * CHANNELS);
+        expect_equal("in 1 MB", &m, &small);
+        mcv_matrix_free(&m);
+        mcv_matrix_free(&small);
+    }
+}
+
+/* Too little for 4096 entries of 224 bytes is refused at once; too little for the matrix, 18000
+ * entries of 28 bytes, when it is known. */
 static void test_memory_is_bounded(void **state) {
     static uint32_t records[RECORDS * WORDS];
     mcv_gather gather;
+    mcv_matrix matrix;
     (void)state;
+    assert_int_equal(
+        mcv_gather_new(&gather, CHANNELS, REPLICATES, 1, (size_t)4096 * 224 - 1, &error),
+        MCV_BAD_INPUT);
+    if (!strstr(error.text, "--memory") || !strstr(error.text, "tile"))
+        fail_msg("\"%s\" must name --memory and a tile", error.text);
     make_records(records);
-    for (int i = 0; i < RECORDS; ++i) records[i * WORDS + 1] = (uint32_t)i; /* elements */
-    WELL(mcv_gather_new(&gather, CHANNELS, REPLICATES, 1, (size_t)2 << 20, &error));
-    assert_int_equal(mcv_gather_add(&gather, records, RECORDS, &error), MCV_BAD_INPUT);
+    tell_apart(records);
+    WELL(mcv_gather_new(&gather, CHANNELS, REPLICATES, 1, (size_t)4096 * 224, &error));
+    WELL(mcv_gather_add(&gather, records, RECORDS, &error));
+    gather.most_bytes = 400000;
+    error.text[0] = '\0';
+    assert_int_equal(mcv_matrix_make(&gather, WIDTH, HEIGHT, SAMPLES, ELEMENTS, 1, &matrix, &error),
+                     MCV_BAD_INPUT);
     if (!strstr(error.text, "--memory")) fail_msg("\"%s\" must name --memory", error.text);
     mcv_gather_free(&gather);
 }
@@ -318,6 +347,7 @@ int main(void) {
         cmocka_unit_test(test_relighting_is_the_product),
         cmocka_unit_test(test_files),
         cmocka_unit_test(test_matrix_market),
+        cmocka_unit_test(test_files_take_what_memory_has_no_room_for),
         cmocka_unit_test(test_memory_is_bounded),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
