@@ -1,6 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""A bottle on a conveyor, seen by a line-scan camera before a backlight: the camera moves in its
-place."""
+"""A bottle moves on a conveyor past a line-scan camera and a backlight."""
 
 import math
 
@@ -61,14 +60,23 @@ def printed():
 def conveyor():
     """At 0.5 m/s a line of 0.25 mm takes 500 µs."""
     scene = Scene(
-        "A bottle passes a line-scan camera at 0.5 m/s, 0.25 mm per line of 500 µs; the camera "
-        "moves in its place. sensors/camera/lineTime, exposureTime and stages are to be chosen."
+        "A bottle passes a line-scan camera at 0.5 m/s, 0.25 mm per line of 500 µs. "
+        "sensors/camera/lineTime, exposureTime and stages are to be chosen."
     )
     black = scene.material("black", {"type": "absorber"}, (0.02, 0.02, 0.02))
     glass = body(scene, "glass", "N-BK7")
-    scene.node("bottle", mesh=scene.mesh("bottle", glass, *turned(bottle())))
-    scene.node("cap", mesh=scene.mesh("cap", black, *turned(cap())))
-    scene.node("print", mesh=scene.mesh("print", black, *printed()))
+    parts = {
+        "bottle": (glass, turned(bottle())),
+        "cap": (black, turned(cap())),
+        "print": (black, printed()),
+    }
+    for name, (material, mesh) in parts.items():
+        scene.node(
+            name,
+            mesh=scene.mesh(name, material, *mesh),
+            translation=[0.026125, 0, 0],
+            motion={"velocity": [-0.5, 0, 0]},
+        )
     scene.node(
         "backlight",
         translation=[0, 0.0265, -0.04],
@@ -79,9 +87,8 @@ def conveyor():
     half = math.sqrt(0.5)
     scene.node(
         "camera",
-        translation=[-0.026125, 0.0265, 0.150],
+        translation=[0, 0.0265, 0.150],
         rotation=[0, 0, half, half],
-        motion={"velocity": [0.5, 0, 0]},
         sensor={
             "type": "telecentric",
             "magnification": 0.1,
