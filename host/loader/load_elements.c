@@ -17,12 +17,13 @@ static const char *const element_keys[] = {"name", "type", "extras", "extensions
 
 static mcv_result define_sensor(const json_t *object, mcv_sensor *sensor,
                                 const mcv_json_path *place, mcv_error *error) {
-    MCV_TRY(
-        mcv_element_type(object, mcv_sensor_types, MCV_SENSOR_COUNT, &sensor->type, place, error));
-    const mcv_param_table table = mcv_sensor_table(sensor->type);
+    uint32_t type;
+    MCV_TRY(mcv_element_type(object, mcv_sensor_types, MCV_SENSOR_TYPE_COUNT, &type, place, error));
+    const mcv_param_table table = mcv_sensor_table(type);
     mcv_params_set_defaults(table, &sensor->as);
     MCV_TRY(mcv_params_parse(table, object, element_keys, &sensor->as, place, error));
     sensor->name = (char *)mcv_json_name(object);
+    sensor->type = type == MCV_SENSOR_LINE_SCAN ? MCV_SENSOR_THIN_LENS : type;
     return mcv_sensor_resolve(sensor, place, error);
 }
 

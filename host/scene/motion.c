@@ -66,6 +66,21 @@ static mcv_result resolve_encoder(const mcv_exposure *e, const mcv_json_path *pl
     return MCV_OK;
 }
 
+/* lineTime from lineRate. */
+static mcv_result resolve_rate(mcv_sensor *sensor, const mcv_json_path *place, mcv_error *error) {
+    const mcv_param_table table = mcv_sensor_table(sensor->type);
+    double *line = mcv_params_find(table, "lineTime", &sensor->as);
+    const double *rate = mcv_params_find(table, "lineRate", &sensor->as);
+    const mcv_json_path here = mcv_json_path_key(place, "lineRate");
+    if (isnan(*rate)) return MCV_OK;
+    if (isnan(*line)) *line = 1 / *rate;
+    /* What derives from another value may have been rounded. */
+    if (fabs(*line * *rate - 1) > 5e-4)
+        return mcv_fail_at(&here, error, "%g Hz contradicts lineTime, %g s: give one of them",
+                           *rate, *line);
+    return MCV_OK;
+}
+
 mcv_result mcv_sensor_resolve_exposure(mcv_sensor *sensor, const mcv_json_path *place,
                                        mcv_error *error) {
     const mcv_param_table table = mcv_sensor_table(sensor->type);
@@ -75,6 +90,7 @@ mcv_result mcv_sensor_resolve_exposure(mcv_sensor *sensor, const mcv_json_path *
                         strobe = mcv_json_path_key(place, "strobeTime"),
                         delay = mcv_json_path_key(place, "strobeDelay");
     if (!time) return MCV_OK;
+    MCV_TRY(resolve_rate(sensor, place, error));
     const mcv_exposure e = mcv_sensor_exposure(sensor);
     const char *const *words = mcv_param_options("shutter");
     if (e.shutter != MCV_SHUTTER_GLOBAL && !(e.line_time > 0))

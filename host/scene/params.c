@@ -14,6 +14,7 @@
         return (mcv_param_table){rows, sizeof rows / sizeof rows[0] - 1, sizeof(element_params)}; \
     }
 MCV_SENSORS(MCV_TABLE)
+MCV_TABLE(line_scan, "lineScan", LINE_SCAN)
 MCV_EMITTERS(MCV_TABLE)
 MCV_PRESETS(MCV_TABLE)
 MCV_MATERIALS(MCV_TABLE)
@@ -21,10 +22,10 @@ MCV_MATERIALS(MCV_TABLE)
 #define MCV_CALL(name, key, NAME) name##_table,
 #define MCV_TYPE(name, key, NAME) key,
 typedef mcv_param_table table_of(void);
-static table_of *const sensor_tables[] = {MCV_SENSORS(MCV_CALL)};
+static table_of *const sensor_tables[] = {MCV_SENSORS(MCV_CALL) line_scan_table};
 static table_of *const emitter_tables[] = {MCV_EMITTERS(MCV_CALL) MCV_PRESETS(MCV_CALL)};
 static table_of *const material_tables[] = {MCV_MATERIALS(MCV_CALL)};
-const char *const mcv_sensor_types[] = {MCV_SENSORS(MCV_TYPE)};
+const char *const mcv_sensor_types[] = {MCV_SENSORS(MCV_TYPE) "lineScan"};
 const char *const mcv_emitter_types[] = {MCV_EMITTERS(MCV_TYPE) MCV_PRESETS(MCV_TYPE)};
 const char *const mcv_material_types[] = {MCV_MATERIALS(MCV_TYPE)};
 

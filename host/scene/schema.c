@@ -314,7 +314,7 @@ mcv_result mcv_schema_write(FILE *stream, const char *name, mcv_error *error) {
     if (strcmp(name, "MCVISI_sensors") == 0)
         schema = indexed_schema(
             "sensors", "sensor",
-            any_element(definitions, mcv_sensor_types, MCV_SENSOR_COUNT, mcv_sensor_table),
+            any_element(definitions, mcv_sensor_types, MCV_SENSOR_TYPE_COUNT, mcv_sensor_table),
             definitions);
     else if (strcmp(name, "MCVISI_emitters") == 0)
         schema = indexed_schema(

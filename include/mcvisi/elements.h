@@ -94,6 +94,8 @@
 #define MCV_PRESET_ENUM(name, key, NAME) MCV_PRESET_##NAME,
 #define MCV_MATERIAL_ENUM(name, key, NAME) MCV_MATERIAL_##NAME,
 enum { MCV_SENSORS(MCV_SENSOR_ENUM) MCV_SENSOR_COUNT };
+/* A word for another sensor with some of its parameters (mcvisi/sensors/thin_lens.h). */
+enum { MCV_SENSOR_LINE_SCAN = MCV_SENSOR_COUNT, MCV_SENSOR_TYPE_COUNT };
 enum { MCV_EMITTERS(MCV_EMITTER_ENUM) MCV_EMITTER_COUNT };
 enum {
     MCV_PRESET_BEFORE = MCV_EMITTER_COUNT - 1,

@@ -283,6 +283,35 @@ static void test_files(void **state) {
     must_refuse("e.gltf", RIG("3", HERE), "MCVISI_motion: must be an object");
 }
 
+#define SCANNER(type, more) \
+    "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}]," \
+    "\"extensionsUsed\":[\"MCVISI_sensors\"],\"extensions\":{\"MCVISI_sensors\":{\"sensors\":[{" \
+    "\"type\":\"" type "\",\"focalLength\":0.02,\"focusDistance\":0.3,\"fNumber\":4," \
+    "\"resolution\":[64,16],\"pixelSize\":1e-5" more "}]}}," \
+    "\"nodes\":[{\"extensions\":{\"MCVISI_sensors\":{\"sensor\":0}}}]}"
+
+/* A line-scan camera is a thin lens camera with that shutter; a rate is one over a time. */
+static void test_line_scan(void **state) {
+    mcv_scene *scenes[2];
+    mcv_error error;
+    (void)state;
+    if (load_text("scan.gltf", SCANNER("lineScan", ",\"lineRate\":8000"), NULL, scenes, &error) ||
+        load_text("lens.gltf",
+                  SCANNER("thinLens", ",\"shutter\":\"line\",\"lineRate\":8000,\"lineTime\":"
+                                      "1.25e-4"),
+                  NULL, scenes + 1, &error))
+        fail_msg("%s", error.text);
+    assert_int_equal(scenes[0]->sensors[0].type, MCV_SENSOR_THIN_LENS);
+    assert_memory_equal(&scenes[0]->sensors[0].as.thin_lens, &scenes[1]->sensors[0].as.thin_lens,
+                        offsetof(mcv_thin_lens_params, end));
+    for (int i = 0; i < 2; ++i) mcv_scene_free(scenes[i]);
+    must_refuse("e.gltf", SCANNER("lineScan", ""), "lineTime: is missing");
+    must_refuse("f.gltf", SCANNER("lineScan", ",\"shutter\":\"global\""), "must be \"line\"");
+    must_refuse("g.gltf", SCANNER("lineScan", ",\"lineRate\":0"), "lineRate");
+    must_refuse("h.gltf", SCANNER("lineScan", ",\"lineRate\":8000,\"lineTime\":1e-3"),
+                "lineRate: 8000 Hz contradicts lineTime, 0.001 s");
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_blur),
@@ -294,6 +323,7 @@ int main(void) {
         cmocka_unit_test(test_turned),
         cmocka_unit_test(test_refused),
         cmocka_unit_test(test_files),
+        cmocka_unit_test(test_line_scan),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -127,9 +127,14 @@
 /* Time (mcvisi/motion.h). */
 #define MCV_TIME_PARAMS(X) \
     X(choice, shutter, 0, 0, 2, "which rows are exposed when: all at once, in turn, or one line") \
+    MCV_EXPOSURE_PARAMS(X)
+
+#define MCV_EXPOSURE_PARAMS(X) \
     X(number, exposureTime, MCV_UNSET, 0, 1e6, "time for which a row is exposed [s]") \
     X(number, lineTime, MCV_UNSET, MCV_POSITIVE, 1e6, \
       "time between rows of a rolling shutter or lines [s]") \
+    X(number, lineRate, MCV_UNSET, MCV_POSITIVE, 1e12, \
+      "rows or lines per second, in place of lineTime [Hz]") \
     X(integer, stages, MCV_UNSET, 1, 1024, "stages of a TDI line sensor") \
     X(number, encoderJitter, MCV_UNSET, 0, 1e6, \
       "standard deviation of when an encoder begins a line [s]") \

@@ -22,13 +22,21 @@
 #include "mcvisi/sensors/distortion.h"
 #endif
 
-#define MCV_THIN_LENS_PARAMS(X) \
+#define MCV_THIN_LENS_VIEW_PARAMS(X) \
     MCV_LENS_PARAMS(X) \
     MCV_FILM_PARAMS(X) \
     MCV_FALLOFF_PARAMS(X) \
     MCV_APERTURE_PARAMS(X) \
-    MCV_DISTORTION_PARAMS(X) \
+    MCV_DISTORTION_PARAMS(X)
+#define MCV_THIN_LENS_PARAMS(X) \
+    MCV_THIN_LENS_VIEW_PARAMS(X) \
     MCV_TIME_PARAMS(X)
+
+/* Type "lineScan": a thin lens camera of which one line is read. */
+#define MCV_LINE_SCAN_PARAMS(X) \
+    MCV_THIN_LENS_VIEW_PARAMS(X) \
+    X(choice, shutter, 2, 2, 2, "one line for all rows of the image, which are times") \
+    MCV_EXPOSURE_PARAMS(X)
 
 typedef struct mcv_thin_lens {
     mcv_centre centre_x, centre_y;
