@@ -238,6 +238,17 @@ RIG_VERBS = [
         "return self._deflectometry(progress, session, options)",
     ),
     Verb(
+        "scan",
+        "scan",
+        "Renders the profiles of a laser head that moves over a part, exposes them with speckle\n"
+        "and noise: the heights [m] as an image with errors, a row for each profile; part() gives\n"
+        "x, y, place and mask, stats the report, with `budget` also that of the errors.\n\n"
+        + PROGRESS.replace(", with the picture so far", ""),
+        "progress: ProgressOption = None; session: Optional[Session] = None",
+        "Image",
+        "return self._scan(progress, session, options)",
+    ),
+    Verb(
         "optimize",
         "optimize",
         "Searches for the parameters at which what is measured is largest or smallest.\n\n"

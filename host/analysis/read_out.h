@@ -20,9 +20,10 @@ typedef struct mcv_camera_settings {
     const char *lens_mtf;         /* "diffraction", "none" or the path of a table */
     const char
         *speckle; /* the path of a picture of laser light (analysis/read_speckle.h), or NULL */
-    double speckle_polarization; /* degree of polarisation of the scattered light */
-    double speckle_patterns;     /* independent patterns, apart from those of a spectrum */
-    double speckle_roughness;    /* standard deviation of the surface's height [m] */
+    const mcv_exr *speckle_light; /* that picture in memory; NULL: it is read from the path */
+    double speckle_polarization;  /* degree of polarisation of the scattered light */
+    double speckle_patterns;      /* independent patterns, apart from those of a spectrum */
+    double speckle_roughness;     /* standard deviation of the surface's height [m] */
     uint32_t speckle_seed;
     /* The rest; electrons_per_unit and dark_electrons follow from the above. gain 0: the full well
      * is the largest grey value. */

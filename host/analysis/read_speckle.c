@@ -138,19 +138,20 @@ static mcv_result add_to_channels(const subpixels *laser, const mcv_speckle *spe
 
 mcv_result mcv_camera_add_speckle(const mcv_camera_settings *settings, const char *path,
                                   mcv_exr *exr, double *contrast, mcv_error *error) {
-    mcv_exr picture;
+    mcv_exr file = {0};
+    const mcv_exr *picture = settings->speckle_light ? settings->speckle_light : &file;
     mcv_speckle speckle = {0};
     double size[2];
     *contrast = 0;
     if (!settings->speckle) return MCV_OK;
-    MCV_TRY(mcv_exr_read(settings->speckle, &picture, error));
-    subpixels laser = {.path = settings->speckle, .exr = &picture};
+    if (picture == &file) MCV_TRY(mcv_exr_read(settings->speckle, &file, error));
+    subpixels laser = {.path = settings->speckle, .exr = picture};
     mcv_result result = check_light(&laser, path, exr, error);
-    if (result == MCV_OK) result = describe(settings, path, exr, &picture, &speckle, size, error);
+    if (result == MCV_OK) result = describe(settings, path, exr, picture, &speckle, size, error);
     if (result == MCV_OK) result = check_grid(&laser, path, exr, &speckle, size, error);
     for (int i = 0; result == MCV_OK && i < 2; ++i) speckle.pitch[i] = size[i] / laser.q;
     if (result == MCV_OK) result = add_to_channels(&laser, &speckle, &exr->parts[0].image, error);
-    mcv_exr_free(&picture);
+    mcv_exr_free(&file);
     *contrast =
         sqrt((1 + speckle.polarization * speckle.polarization) / 2 / fmax(speckle.patterns, 1));
     return result;

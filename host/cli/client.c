@@ -2,6 +2,7 @@
 #include "cli/client.h"
 
 #include "cli/interrupt.h"
+#include "cli/progress.h"
 #include "cli/tell.h"
 #include "core/basics.h"
 
@@ -158,4 +159,21 @@ bool mcv_client_told(void *user, const char *report) {
         fflush(stdout);
     }
     return mcv_interrupt == 0;
+}
+
+mcv_result mcv_client_picture(const mcv_command *command, mcv_picture_call *call,
+                              mcv_error *error) {
+    mcv_client client = {0};
+    mcv_picture *picture = NULL;
+    char *report = NULL;
+    mcv_progress_shown shown = {.open = false};
+    mcv_result result = mcv_client_open(command, command->argument, &client, error);
+    if (result == MCV_OK)
+        result = call(client.session, client.rig, client.options, mcv_progress_show, &shown,
+                      &picture, &report, error);
+    if (shown.open) mcv_progress_end(&shown.line);
+    if (result == MCV_OK) result = mcv_client_print(report, command->json, error);
+    mcv_picture_free(picture);
+    mcv_client_close(&client);
+    return result == MCV_INTERRUPTED ? mcv_interrupt_result() : result;
 }

@@ -34,6 +34,14 @@ mcv_result mcv_client_open(const mcv_command *command, const char *rig, mcv_clie
                            mcv_error *error);
 void mcv_client_close(mcv_client *client);
 
+/* A call of the library that makes a picture of a rig and tells how far it is. */
+typedef mcv_result mcv_picture_call(mcv_session *session, const mcv_rig *rig, const char *options,
+                                    mcv_progress_call *progress, void *user, mcv_picture **picture,
+                                    char **report, mcv_error *error);
+
+/* Does it for a verb, shows its progress and prints its report. The picture is in its files. */
+mcv_result mcv_client_picture(const mcv_command *command, mcv_picture_call *call, mcv_error *error);
+
 /* Prints a report of the library to standard output and its notes to standard error, and frees it.
  */
 mcv_result mcv_client_print(char *report, bool json, mcv_error *error);

@@ -15,6 +15,7 @@
 #include "options/options_exec.h"
 #include "options/options_long.h"
 #include "options/options_pod.h"
+#include "options/options_scan.h"
 #include "options/options_transport.h"
 #include "options/options_triangulate.h"
 
@@ -49,6 +50,9 @@
     X(triangulate, TRIANGULATE, "triangulate", "IMAGE…", \
       "find the laser line in images of a camera, and the heights of the part that it lights: a " \
       "profile of each image") \
+    X(scan, SCAN, "scan", "SCENE", \
+      "render the profiles of a laser head that moves over a part, expose them with speckle and " \
+      "noise, and find the heights; with --budget also what each cause brings to their error") \
     X(sweep, SWEEP, "sweep", "RIG|EXPERIMENT.json", \
       "render a scene with many sets of parameters and measure in each image; the result is a " \
       "table and a page of plots with error bars") \
@@ -120,10 +124,11 @@ enum {
     /* That record transport matrices. */
     MCV_IN_MATRICES = MCV_IN_TRANSPORT | MCV_IN_DEFLECTION | MCV_IN_DEFLECTOMETRY,
     MCV_IN_PATHS = MCV_IN_RENDERS | MCV_IN_COMPARE | MCV_IN_MATRICES, /* that trace paths */
-    MCV_IN_PROGRAMS = MCV_IN_PATHS | MCV_IN_WARM, /* that choose OpenCL programs */
+    MCV_IN_PROGRAMS = MCV_IN_PATHS | MCV_IN_WARM | MCV_IN_SCAN, /* that choose OpenCL programs */
     MCV_IN_FIGURES = MCV_IN_MEASURE | MCV_IN_EXPERIMENTS,
-    MCV_IN_GREY = MCV_IN_RENDERS | MCV_IN_CAMERA,
+    MCV_IN_GREY = MCV_IN_RENDERS | MCV_IN_CAMERA | MCV_IN_SCAN,
     MCV_IN_EXPOSES = MCV_IN_GREY | MCV_IN_DETECT,
+    MCV_IN_PROFILES = MCV_IN_TRIANGULATE | MCV_IN_SCAN, /* that find heights */
     MCV_IN_SCENES = MCV_IN_PROGRAMS | MCV_IN_CHECK | MCV_IN_TRACE | MCV_IN_MEASURE |
                     MCV_IN_EXPLAIN | MCV_IN_CAMERA_MODEL
 };
@@ -207,7 +212,7 @@ enum {
       MCV_IN_EXPLAIN | MCV_IN_PROGRAMS | MCV_IN_CHECK | MCV_IN_MEASURE | MCV_IN_CAMERA_MODEL | \
           MCV_IN_DETECT, \
       NULL, 0, 0, "use only this sensor, by name or number") \
-    X(count, spp, "spp", 0, "N", MCV_IN_PATHS, NULL, 1, 1ull << 37, \
+    X(count, spp, "spp", 0, "N", MCV_IN_PATHS | MCV_IN_SCAN, NULL, 1, 1ull << 37, \
       "stop at N samples per pixel over all replicates; N / replicates is rounded up to a " \
       "power of two") \
     X(number, error, "error", 0, "E", MCV_IN_PATHS, NULL, 0, 1e9, \
@@ -220,7 +225,8 @@ enum {
     X(range, samples, "samples", 0, "A:B", MCV_IN_RENDER, NULL, 0, 1ull << 31, \
       "render only samples A to B - 1 of each replicate; B - A is a power of two and A a " \
       "multiple of it") \
-    X(count, replicates, "replicates", 0, "R", MCV_IN_RENDERS | MCV_IN_MATRICES, "4", 1, 64, \
+    X(count, replicates, "replicates", 0, "R", MCV_IN_RENDERS | MCV_IN_MATRICES | MCV_IN_SCAN, \
+      "4", 1, 64, \
       "number of independent scrambles of the sample points; their spread gives the standard " \
       "error") \
     X(count, repeats, "replicates", 0, "R", MCV_IN_COMPARE, "16", 2, 64, \
@@ -247,8 +253,8 @@ enum {
       MCV_IN_GREY | MCV_IN_COMPARE | MCV_IN_MATRICES | MCV_IN_EXPLAIN, "0", 0, UINT32_MAX, \
       "seed of the noise; the same seed gives the same bits; with one seed, all images of a " \
       "sequence have the same noise") \
-    X(count, depth, "depth", 0, "N", MCV_IN_EXPLAIN | MCV_IN_PATHS | MCV_IN_TRACE, "32", 1, \
-      1000000, "largest number of surfaces on a path") \
+    X(count, depth, "depth", 0, "N", MCV_IN_EXPLAIN | MCV_IN_PATHS | MCV_IN_TRACE | MCV_IN_SCAN, \
+      "32", 1, 1000000, "largest number of surfaces on a path") \
     X(size, resolution, "resolution", 0, "WxH", \
       MCV_IN_EXPLAIN | MCV_IN_PATHS | MCV_IN_CAMERA_MODEL, NULL, 1, 65536, \
       "other number of pixels on the same field of view; macro pixels for a light field " \
@@ -339,6 +345,7 @@ enum {
     MCV_POD_OPTIONS(X) \
     MCV_TRANSPORT_OPTIONS(X) \
     MCV_TRIANGULATE_OPTIONS(X) \
+    MCV_SCAN_OPTIONS(X) \
     MCV_DEFLECTION_OPTIONS(X) \
     MCV_INVERSE_OPTIONS(X) \
     MCV_DEFECT_OPTIONS(X) \
@@ -362,7 +369,8 @@ enum {
       MCV_IN_RENDERS | MCV_IN_MERGE | MCV_IN_NEW | MCV_IN_CHECK | MCV_IN_COMPARE | MCV_IN_CAMERA | \
           MCV_IN_CAMERA_MODEL | MCV_IN_MEASURE | MCV_IN_POD | MCV_IN_LIGHTFIELD | MCV_IN_IMPORT | \
           MCV_IN_DEVICES | MCV_IN_HELP | MCV_IN_DEFECT | MCV_IN_DETECT | MCV_IN_MATRICES | \
-          MCV_IN_TRIANGULATE | MCV_IN_RELIGHT | MCV_IN_INVERSE | MCV_IN_EXPLAIN | MCV_IN_WARM, \
+          MCV_IN_TRIANGULATE | MCV_IN_SCAN | MCV_IN_RELIGHT | MCV_IN_INVERSE | MCV_IN_EXPLAIN | \
+          MCV_IN_WARM, \
       NULL, 0, 0, \
       "print JSON in SI units; render prints one object per sensor, each on one line; help " \
       "prints a schema of the options")

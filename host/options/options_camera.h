@@ -52,16 +52,19 @@
     X(text, speckle, "speckle", 0, "F.exr", MCV_IN_CAMERA, NULL, 0, 0, \
       "speckle of a laser, before shot noise: F.exr is a render of the same scene by the laser " \
       "alone, `render --lasers Q`") \
-    X(number, speckle_polarization, "speckle-polarization", 0, "P", MCV_IN_CAMERA, "1", -1, 1, \
+    X(number, speckle_polarization, "speckle-polarization", 0, "P", MCV_IN_CAMERA | MCV_IN_SCAN, \
+      "1", -1, 1, \
       "degree of polarisation of the scattered light: 1 for bare metal, 0 for paper, paint and " \
       "white plastic") \
-    X(number, speckle_patterns, "speckle-patterns", 0, "M", MCV_IN_CAMERA, "1", 0, 1000, \
+    X(number, speckle_patterns, "speckle-patterns", 0, "M", MCV_IN_CAMERA | MCV_IN_SCAN, "1", 0, \
+      1000, \
       "independent patterns that add up, such as those of several lasers or of motion: at least " \
       "1; the contrast is 1/sqrt(M)") \
-    X(lengths, speckle_roughness, "speckle-roughness", 0, "H", MCV_IN_CAMERA, NULL, 0, 1e-2, \
+    X(lengths, speckle_roughness, "speckle-roughness", 0, "H", MCV_IN_CAMERA | MCV_IN_SCAN, NULL, \
+      0, 1e-2, \
       "standard deviation of the surface's height [m], or with a unit, 2um: with the laser's " \
       "linewidth it makes speckle fainter") \
-    X(count, speckle_seed, "speckle-seed", 0, "S", MCV_IN_CAMERA, "0", 0, UINT32_MAX, \
-      "another pattern of speckle; exposures of one part share theirs")
+    X(count, speckle_seed, "speckle-seed", 0, "S", MCV_IN_CAMERA | MCV_IN_SCAN, "0", 0, \
+      UINT32_MAX, "another pattern of speckle; exposures of one part share theirs")
 
 #endif

@@ -4,26 +4,26 @@
 #define MCVISI_HOST_OPTIONS_OPTIONS_TRIANGULATE_H
 
 #define MCV_TRIANGULATE_OPTIONS(X) \
-    X(list, profiles, "output", 'o', "FILE", MCV_IN_TRIANGULATE, NULL, 0, 0, \
+    X(list, profiles, "output", 'o', "FILE", MCV_IN_PROFILES, NULL, 0, 0, \
       "write the profiles: .csv has all that is known of each place; with --laser also .exr, a " \
       "range image with uncertainty and mask, .npz, arrays for NumPy, and .ply, points") \
     X(choice, extractor, "extractor", 0, "cog|parabola|logGauss|blaisRioux|gauss", \
-      MCV_IN_TRIANGULATE, "cog", 0, 0, \
+      MCV_IN_PROFILES, "cog", 0, 0, \
       "how the line's place is found: centre of gravity, three pixels of a parabola or of a " \
       "Gaussian, Blais and Rioux's zero crossing, or the fit of a Gaussian") \
-    X(count, line_window, "window", 0, "N", MCV_IN_TRIANGULATE, "15", 3, 63, \
+    X(count, line_window, "window", 0, "N", MCV_IN_PROFILES, "15", 3, 63, \
       "pixels across the line that cog and gauss take, an odd number; peaks nearer than half of " \
       "it are one") \
-    X(number, line_threshold, "threshold", 0, "F", MCV_IN_TRIANGULATE, "0.1", 0, 1, \
+    X(number, line_threshold, "threshold", 0, "F", MCV_IN_PROFILES, "0.1", 0, 1, \
       "light of the line is brighter than this share of the image's brightest pixel") \
-    X(choice, line_across, "across", 0, "columns|rows", MCV_IN_TRIANGULATE, "columns", 0, 0, \
+    X(choice, line_across, "across", 0, "columns|rows", MCV_IN_PROFILES, "columns", 0, 0, \
       "the line runs across the columns and has a place in each of them, or across the rows") \
-    X(text, laser, "laser", 0, "NODE", MCV_IN_TRIANGULATE, NULL, 0, 0, \
+    X(text, laser, "laser", 0, "NODE", MCV_IN_PROFILES, NULL, 0, 0, \
       "find heights: the light lies in the x-z plane of this node of the image's header") \
-    X(text, frame, "frame", 0, "NODE", MCV_IN_TRIANGULATE, NULL, 0, 0, \
+    X(text, frame, "frame", 0, "NODE", MCV_IN_PROFILES, NULL, 0, 0, \
       "coordinates are those of this node, in each image where its header has it; by default " \
       "those of the laser: x along the line, z towards the laser") \
-    X(lengths, feed, "feed", 0, "D", MCV_IN_TRIANGULATE, NULL, -1e3, 1e3, \
+    X(lengths, feed, "feed", 0, "D", MCV_IN_PROFILES, NULL, -1e3, 1e3, \
       "how far the part moves from image to image along the laser's y [m], or with a unit, " \
       "0.1mm; not with a node of --frame that moves with the part")
 

@@ -70,8 +70,8 @@ static mcv_result describe(const char *path, const mcv_exr *exr, mcv_read_out *o
                : mcv_fail(error, MCV_FAILED, "%s: no memory for its header", path);
 }
 
-static mcv_result set_attributes(const mcv_command *command, const mcv_read_out *out, mcv_exr *grey,
-                                 mcv_error *error) {
+static mcv_result set_attributes(const mcv_camera_settings *settings, const mcv_read_out *out,
+                                 mcv_exr *grey, mcv_error *error) {
     const mcv_camera *camera = &out->camera;
     const mcv_correlation rho = out->correlation;
     const mcv_attribute own[] = {
@@ -98,13 +98,13 @@ static mcv_result set_attributes(const mcv_command *command, const mcv_read_out 
         number_attribute("mcvisi:cameraSeed", camera->specimen),
     };
     const mcv_attribute speckle = number_attribute(MCV_SPECKLE_CONTRAST, out->speckle);
-    const mcv_attribute exposed = number_attribute("expTime", command->exposure_time);
+    const mcv_attribute exposed = number_attribute("expTime", settings->exposure_time);
     const mcv_attribute model =
         text_attribute(MCV_CAMERA_MODEL_KEY, out->exposure.grey.description);
     MCV_TRY(mcv_exr_set_attributes(grey, own, sizeof own / sizeof own[0], error));
     if (model.text) MCV_TRY(mcv_exr_set_attributes(grey, &model, 1, error));
     if (out->speckle > 0) MCV_TRY(mcv_exr_set_attributes(grey, &speckle, 1, error));
-    return command->exposure_time > 0 ? mcv_exr_set_attributes(grey, &exposed, 1, error) : MCV_OK;
+    return settings->exposure_time > 0 ? mcv_exr_set_attributes(grey, &exposed, 1, error) : MCV_OK;
 }
 
 /* The light's header stays, but for what the values are. */
@@ -133,11 +133,16 @@ static mcv_result add_parts(const mcv_exr *light, mcv_read_out *out, mcv_exr *gr
 mcv_result mcv_grey_make(const mcv_command *command, const char *path, mcv_exr *light,
                          mcv_read_out *out, mcv_exr *grey, mcv_error *error) {
     const mcv_camera_settings settings = mcv_camera_settings_of(command);
+    return mcv_grey_expose(&settings, path, light, out, grey, error);
+}
+
+mcv_result mcv_grey_expose(const mcv_camera_settings *settings, const char *path, mcv_exr *light,
+                           mcv_read_out *out, mcv_exr *grey, mcv_error *error) {
     *grey = (mcv_exr){0};
-    MCV_TRY(mcv_camera_check_settings(&settings, error));
-    MCV_TRY(mcv_camera_read_out(&settings, path, light, out, error));
+    MCV_TRY(mcv_camera_check_settings(settings, error));
+    MCV_TRY(mcv_camera_read_out(settings, path, light, out, error));
     mcv_result result = describe(path, light, out, error);
-    if (result == MCV_OK) result = set_attributes(command, out, grey, error);
+    if (result == MCV_OK) result = set_attributes(settings, out, grey, error);
     if (result == MCV_OK) result = keep_header(light, grey, error);
     if (result == MCV_OK) result = add_parts(light, out, grey, error);
     mcv_exposure_free(&out->exposure);

@@ -32,6 +32,10 @@ mcv_result mcv_profiles_add(mcv_profiles *profiles, const mcv_picture *picture, 
 /* triangulate_files.c: writes the files of --output. */
 mcv_result mcv_profiles_write(const mcv_profiles *profiles, mcv_error *error);
 
+/* The range image: heights with their uncertainty, and what else is known of each point. */
+mcv_result mcv_profiles_picture(const mcv_profiles *profiles, mcv_picture **picture,
+                                mcv_error *error);
+
 /* Tells what was found. */
 void mcv_profiles_report(const mcv_profiles *profiles, mcv_report *report);
 

@@ -83,22 +83,37 @@ static double member(const mcv_profile_point *point, int which) {
 }
 
 /* The part "error" is what other verbs take as the uncertainty of the first one. */
-static mcv_result write_range(const mcv_profiles *p, const char *path, mcv_error *error) {
+static mcv_result make_range(const mcv_profiles *p, mcv_exr *exr, mcv_error *error) {
     static const char *const names[] = {"image", "error", "x", "y", "place", "mask"};
     static const mcv_attribute own[] = {{.name = "mcvisi:quantity", .text = "height"},
                                         {.name = "mcvisi:unit", .text = "m"}};
-    mcv_exr exr = {0};
+    *exr = (mcv_exr){0};
     mcv_result result = MCV_OK;
     for (int k = 0; result == MCV_OK && k < 6; ++k) {
         mcv_image image;
         result = mcv_image_new(&image, p->length, p->added, 1, error);
         if (result != MCV_OK) break;
         for (size_t i = 0; i < count_of(p); ++i) image.pixels[i] = (float)member(p->points + i, k);
-        result = mcv_exr_add_part(&exr, names[k], image, NULL, error);
+        result = mcv_exr_add_part(exr, names[k], image, NULL, error);
     }
-    if (result == MCV_OK) result = mcv_exr_write(path, exr.parts, exr.part_count, own, 2, error);
+    if (result == MCV_OK) result = mcv_exr_set_attributes(exr, own, 2, error);
+    if (result != MCV_OK) mcv_exr_free(exr);
+    return result;
+}
+
+static mcv_result write_range(const mcv_profiles *p, const char *path, mcv_error *error) {
+    mcv_exr exr;
+    MCV_TRY(make_range(p, &exr, error));
+    const mcv_result result =
+        mcv_exr_write(path, exr.parts, exr.part_count, exr.attributes, exr.attribute_count, error);
     mcv_exr_free(&exr);
     return result;
+}
+
+mcv_result mcv_profiles_picture(const mcv_profiles *p, mcv_picture **picture, mcv_error *error) {
+    mcv_exr exr;
+    MCV_TRY(make_range(p, &exr, error));
+    return mcv_picture_of(&exr, "the profiles", picture, error);
 }
 
 static mcv_result write_arrays(const mcv_profiles *p, const char *path, mcv_error *error) {

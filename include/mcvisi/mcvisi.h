@@ -499,6 +499,18 @@ MCV_API mcv_result mcv_picture_detect(const mcv_picture *with, const mcv_picture
 MCV_API mcv_result mcv_images_triangulate(const char *const *images, size_t count,
                                           const char *options, char **report, mcv_error *error);
 
+/*
+ * Renders the profiles of a laser head that moves over a part, exposes them with speckle and noise,
+ * and finds the heights. Options are those of `mcvisi scan`; with "output" its files are written,
+ * too. The picture has the heights [m] as part "image" and their standard uncertainty as "error", a
+ * row for each profile; "x", "y" [m], "place" [pixels] and "mask". NaN: not seen. Where progress
+ * returns false: MCV_INTERRUPTED, without a picture. *report: how many places are seen, the head's
+ * figures, and with "budget" what each cause brings to the error; may be NULL.
+ */
+MCV_API mcv_result mcv_session_scan(mcv_session *session, const mcv_rig *rig, const char *options,
+                                    mcv_progress_call *progress, void *user, mcv_picture **picture,
+                                    char **report, mcv_error *error);
+
 /* The sub-aperture views of a light field image, side by side. Options are those of `mcvisi
  * lightfield views`: {"angular": "9x9"} where the attributes do not tell. */
 MCV_API mcv_result mcv_picture_views(const mcv_picture *picture, const char *options,

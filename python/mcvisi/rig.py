@@ -340,6 +340,13 @@ class Rig(RigVerbs, Handle):
         with Bar(progress) as told:
             return session_of(session)._deflectometry(rig, options, told)
 
+    def _scan(
+        self, progress: ProgressOption, session: Optional[Session], options: Mapping[str, Any]
+    ) -> "Image":
+        rig = self._snapshot()
+        with Bar(progress) as told:
+            return session_of(session)._scan(rig, options, told)
+
     async def _render_async(
         self, progress: ProgressOption, session: Optional[Session], options: Mapping[str, Any]
     ) -> "Image":

@@ -134,10 +134,18 @@ class _TransportRender(_Render):
 class _Deflectometry(_Render):
     """The slopes and heights of a part."""
 
+    function = "mcv_session_deflectometry"
+
     def _call(self, callback: Any) -> Any:
         made, report = ffi.new("mcv_picture **"), ffi.new("char **")
-        call("mcv_session_deflectometry", *self.arguments, callback, ffi.NULL, made, report)
+        call(self.function, *self.arguments, callback, ffi.NULL, made, report)
         return _image(made[0], _report(report))
+
+
+class _Scan(_Deflectometry):
+    """The heights that a laser head finds."""
+
+    function = "mcv_session_scan"
 
 
 def _report(text: Any) -> Mapping[str, Any]:
@@ -294,6 +302,15 @@ class Session(Handle):
         progress: Optional[Callable[[Progress], Optional[bool]]],
     ) -> "Image":
         made: "Image" = self._render(rig, options, progress, None, _Deflectometry)
+        return made
+
+    def _scan(
+        self,
+        rig: Any,
+        options: Mapping[str, Any],
+        progress: Optional[Callable[[Progress], Optional[bool]]],
+    ) -> "Image":
+        made: "Image" = self._render(rig, options, progress, None, _Scan)
         return made
 
 

@@ -3,8 +3,7 @@
 #include "test.h"
 
 #include "program.h"
-
-#include "io/exr.h"
+#include "range_image.h"
 
 #include <math.h>
 
@@ -49,26 +48,6 @@ static int make_images(void **state) {
     return 0;
 }
 
-/* The mean of what is seen in a part of a range image's row. */
-static double row_mean(const char *path, const char *part, uint32_t row) {
-    mcv_exr exr;
-    mcv_error error;
-    double sum = 0, count = 0;
-    if (mcv_exr_read(path, &exr, &error) != MCV_OK) fail_msg("%s", error.text);
-    uint32_t number = 0;
-    while (number < exr.part_count && strcmp(exr.parts[number].name, part) != 0) ++number;
-    assert_true(number < exr.part_count);
-    const mcv_image *image = &exr.parts[number].image;
-    for (uint32_t i = 0; i < image->width; ++i) {
-        const double value = (double)image->pixels[row * image->width + i];
-        if (isnan(value)) continue;
-        sum += value;
-        ++count;
-    }
-    mcv_exr_free(&exr);
-    return sum / count;
-}
-
 /*
  * Heights are those of the plate: its top is 0.2 m below the laser, and 0.3 mm lower in the second
  * image. A place's uncertainty, some 0.02 pixels, is 2 µm; the mean of 48 has 0.3 µm, and 6 µm are
@@ -79,17 +58,19 @@ static void test_heights(void **state) {
     (void)state;
     program_well("triangulate 0.exr 1.exr --laser laser --feed 0.2mm -o z.exr -o z.csv -o z.ply -o "
                  "z.npz");
-    assert_true(fabs(row_mean("z.exr", "image", 0) + 0.2) <= 6e-6);
-    assert_true(fabs(row_mean("z.exr", "image", 1) + 0.2003) <= 6e-6);
-    assert_true(fabs(row_mean("z.exr", "mask", 1) - 1) <= 1e-9);
-    assert_true(fabs(row_mean("z.exr", "y", 1) - row_mean("z.exr", "y", 0) + 2e-4) <= 1e-9);
-    const double u = row_mean("z.exr", "error", 0);
+    assert_true(fabs(row_mean("z.exr", "image", 0, NULL) + 0.2) <= 6e-6);
+    assert_true(fabs(row_mean("z.exr", "image", 1, NULL) + 0.2003) <= 6e-6);
+    assert_true(fabs(row_mean("z.exr", "mask", 1, NULL) - 1) <= 1e-9);
+    assert_true(fabs(row_mean("z.exr", "y", 1, NULL) - row_mean("z.exr", "y", 0, NULL) + 2e-4) <=
+                1e-9);
+    const double u = row_mean("z.exr", "error", 0, NULL);
     if (!(u > 1e-7 && u < 5e-6)) fail_msg("u(z) is %g m", u);
     program_well("triangulate 0.exr 1.exr --laser laser --frame plate -o p.exr");
     for (uint32_t row = 0; row < 2; ++row)
-        if (!(fabs(row_mean("p.exr", "y", row) - 5e-3) <= 6e-6))
-            fail_msg("the plate's top is at %g m", row_mean("p.exr", "y", row));
-    assert_true(fabs(row_mean("p.exr", "image", 1) - row_mean("p.exr", "image", 0) + 2e-4) <= 1e-9);
+        if (!(fabs(row_mean("p.exr", "y", row, NULL) - 5e-3) <= 6e-6))
+            fail_msg("the plate's top is at %g m", row_mean("p.exr", "y", row, NULL));
+    assert_true(fabs(row_mean("p.exr", "image", 1, NULL) - row_mean("p.exr", "image", 0, NULL) +
+                     2e-4) <= 1e-9);
 }
 
 /* A head that passes over a plate at rest: in the plate's coordinates its line goes along; in those
@@ -97,15 +78,17 @@ static void test_heights(void **state) {
 static void test_moving_head(void **state) {
     (void)state;
     program_well("triangulate 0.exr 2.exr --laser laser --frame plate -o h.exr");
-    assert_true(fabs(row_mean("h.exr", "image", 1) - row_mean("h.exr", "image", 0) - 2e-4) <= 1e-9);
+    assert_true(fabs(row_mean("h.exr", "image", 1, NULL) - row_mean("h.exr", "image", 0, NULL) -
+                     2e-4) <= 1e-9);
     for (uint32_t row = 0; row < 2; ++row)
-        if (!(fabs(row_mean("h.exr", "y", row) - 5e-3) <= 6e-6))
-            fail_msg("the plate's top is at %g m", row_mean("h.exr", "y", row));
+        if (!(fabs(row_mean("h.exr", "y", row, NULL) - 5e-3) <= 6e-6))
+            fail_msg("the plate's top is at %g m", row_mean("h.exr", "y", row, NULL));
     program_fails("triangulate 0.exr 2.exr --laser laser", 2, "give --feed D, or --frame NODE");
     program_fails("triangulate 0.exr 2.exr --laser laser --frame plate --feed 0.2mm", 2,
                   "--frame plate moves from image to image by itself: leave out --feed");
     program_well("triangulate 0.exr 2.exr --laser laser --feed 0.2mm -o h.exr");
-    assert_true(fabs(row_mean("h.exr", "y", 1) - row_mean("h.exr", "y", 0) + 2e-4) <= 1e-9);
+    assert_true(fabs(row_mean("h.exr", "y", 1, NULL) - row_mean("h.exr", "y", 0, NULL) + 2e-4) <=
+                1e-9);
 }
 
 /* A place in pixels needs no header but that of grey values; extractors agree. */
@@ -192,7 +175,7 @@ static void test_rig(void **state) {
             /* The field is wider than the part. */
             assert_true(number_at(told, "seen") >= 48 && number_at(told, "seen") <= 60);
             json_decref(told);
-            const double seen = row_mean("range.exr", coordinates[cases[i].axis], 0);
+            const double seen = row_mean("range.exr", coordinates[cases[i].axis], 0, NULL);
             if (!(fabs(seen - cases[i].top) <= 5e-5))
                 fail_msg("%s: the top is at %g m", cases[i].view, seen);
         }

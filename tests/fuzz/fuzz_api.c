@@ -65,6 +65,7 @@ CALL(transport,
      mcv_session_transport(w->session, w->rig, text, stop, NULL, &m->transport, &m->report, error))
 CALL(deflectometry, mcv_session_deflectometry(w->session, w->rig, text, stop, NULL, &m->picture,
                                               &m->report, error))
+CALL(scan, mcv_session_scan(w->session, w->rig, text, stop, NULL, &m->picture, &m->report, error))
 CALL(relight, mcv_transport_relight(w->transport, NULL, 0, text, &m->picture, &m->report, error))
 CALL(deflection,
      mcv_transport_deflection(w->transport, NULL, text, &m->picture, NULL, &m->report, error))
@@ -106,7 +107,7 @@ static session_call *const calls[] = {
     pod_values,   check,        explain,      trace,      transport,     measure,      camera,
     compare,      detect,       views,        gradient,   write_picture, make_picture, parse,
     new_rig,      camera_model, change,       add_defect, deflectometry, relight,      deflection,
-    inverse,      sequence,     triangulate,
+    inverse,      sequence,     triangulate,  scan,
 };
 
 static void must(mcv_result result, const mcv_error *error) {

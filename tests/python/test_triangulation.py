@@ -97,3 +97,23 @@ def test_refused(images, tmp_path):
     with pytest.raises(TypeError, match="laser"):
         mv.triangulate(grey)
     assert not list(tmp_path.iterdir())
+
+
+def test_scan(head):
+    """The face at TOP again, of a head that has moved by half a millimetre between two profiles."""
+    head["nodes/part/translation"] = [0, 0, 0]
+    found = head.scan(
+        profiles=2,
+        feed="0.5mm",
+        frame="part",
+        expose_to=0.2,
+        device="reference",
+        budget=True,
+        progress=False,
+    )
+    assert found.shape == found.error.shape == (2, COLUMNS) and found.unit == "m"
+    there = np.isfinite(found.array)
+    off, u = (found.array - TOP)[there], found.error[there]
+    assert abs(off.mean()) < 5 * np.sqrt(np.mean(u**2) / len(u))
+    assert found.report["budget"]["speckle"] > 0
+    assert found.report["head"]["points_per_profile"] == COLUMNS

@@ -1,0 +1,149 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* mcvisi scan: profiles of a head that moves, its figures, the budget of heights, and bad input. */
+#include "test.h"
+
+#include "program.h"
+#include "range_image.h"
+
+#include <math.h>
+
+/* A laser line on a plate, and a camera 30° aside whose film is tilted so that the plane of the
+ * light is in focus. A pixel stands for 45 µm along the line and 5 µm cos 10.893°/(sin 30°/9) =
+ * 88.38 µm of height. The plate's top is half a pixel below the film's middle. */
+static const char scene[] =
+    "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0,1,2,3]}],"
+    "\"extensions\":{\"MCVISI_sensors\":{\"sensors\":[{\"name\":\"camera\",\"type\":\"thinLens\","
+    "\"focalLength\":\"25mm\",\"focusDistance\":\"250mm\",\"fNumber\":8,\"resolution\":[48,48],"
+    "\"pixelSize\":\"5um\",\"tilt\":\"10.893deg\",\"tiltDirection\":\"180deg\","
+    "\"radiometry\":\"irradiance\"}]},"
+    "\"MCVISI_emitters\":{\"emitters\":[{\"name\":\"laser\",\"type\":\"laser\",\"wavelength\":"
+    "\"660nm\",\"power\":0.02,\"lineThickness\":\"200um\",\"widthMeasure\":\"1/e2\","
+    "\"workingDistance\":\"200mm\",\"fanAngle\":\"20deg\"},"
+    "{\"name\":\"sky\",\"type\":\"environment\",\"radiance\":0}]},"
+    "\"MCVISI_surfaces\":{\"surfaces\":[{\"name\":\"plate\",\"type\":\"box\",\"width\":\"100mm\","
+    "\"height\":\"10mm\",\"depth\":\"100mm\",\"material\":\"grey\"}]}},"
+    "\"materials\":[{\"name\":\"grey\",\"extensions\":{\"MCVISI_materials\":"
+    "{\"type\":\"diffuse\",\"reflectance\":0.5}}}],"
+    "\"nodes\":[{\"name\":\"camera\",\"extensions\":{\"MCVISI_pose\":{\"target\":[0,0,0],"
+    "\"distance\":\"250mm\",\"elevation\":\"60deg\"},\"MCVISI_sensors\":{\"sensor\":0}}},"
+    "{\"name\":\"laser\",\"extensions\":{\"MCVISI_pose\":{\"target\":[0,0,0],\"distance\":"
+    "\"200mm\",\"elevation\":\"90deg\"},\"MCVISI_emitters\":{\"emitter\":0}}},"
+    "{\"name\":\"plate\",\"translation\":[0,-0.00504,0],\"extensions\":{\"MCVISI_surfaces\":"
+    "{\"surface\":0}}},{\"name\":\"sky\",\"extensions\":{\"MCVISI_emitters\":{\"emitter\":1}}}]}";
+
+static int write_scene(void **state) {
+    if (enter_folder(state) != 0) return -1;
+    write_file("head.gltf", scene);
+    return 0;
+}
+
+/*
+ * A ledge of 2 mm: the third profile lies 1.4 mm beside its middle, and sees nothing. In both
+ * others its top is 0.20004 m below the laser. Photons leave some 0.02 pixels, 2 µm, of a place;
+ * the mean of 48 has 0.3 µm, and 6 µm are a place that is off by 0.07 pixels. A camera that stood
+ * still would be off by 0.7 mm/tan 30°.
+ */
+static void test_moving_head(void **state) {
+    (void)state;
+    uint32_t count;
+    program_well("scan head.gltf --set surfaces/plate/depth=2mm --device reference --spp 64 "
+                 "--speckle off --expose-to 0.5 --profiles 3 --feed 0.7mm -o z.exr -o z.csv");
+    for (uint32_t row = 0; row < 2; ++row) {
+        const double z = row_mean("z.exr", "image", row, &count),
+                     y = row_mean("z.exr", "y", row, &count);
+        assert_int_equal(count, 48);
+        if (!(fabs(z + 0.20004) <= 6e-6) || !(fabs(y + 7e-4 * row) <= 1e-9))
+            fail_msg("profile %u: z %g m, y %g m", row, z, y);
+    }
+    (void)row_mean("z.exr", "image", 2, &count);
+    assert_int_equal(count, 0);
+    /* Places count from the whole film's beginning, of which only rows by the line are rendered. */
+    const double place = row_mean("z.exr", "place", 1, &count);
+    if (!(fabs(place - 24.45) <= 0.1)) fail_msg("place %g", place);
+}
+
+static double member(const json_t *told, const char *group, const char *key) {
+    return number_at(json_object_get(told, group), key);
+}
+
+/*
+ * Of 240 places a root mean square is known to 5 %, and 4.5 of that are 22 %. Speckle, photons and
+ * rounding are independent; the run of all together has the same speckle and the same photons as
+ * those of each alone, but that bright grains have more photons. The line's bend of 0.1 of its
+ * length is 0.1 · 2 tan(10°) 0.2 m (2φ/20°)², which is 1/tan 30° of that in height; φ = x/0.2 m,
+ * and x⁴ has the mean X⁴/5 within ±X = 1.08 mm. The bend is steeper than that of its middle by 1 %
+ * at most. On a plate alone there is no multipath.
+ */
+static void test_budget(void **state) {
+    (void)state;
+    json_t *told = program_json("scan head.gltf --device reference --expose-to 0.2 --bits 8 "
+                                "--read-noise 10 --profiles 5 --feed 1mm --budget --json "
+                                "--set emitters/laser/straightness=0.1");
+    const double speckle = member(told, "budget", "speckle"),
+                 u = number_at(told, "height_uncertainty"), sum = member(told, "budget", "sum"),
+                 all = member(told, "budget", "all_together"), bow = member(told, "budget", "bow"),
+                 noise = member(told, "budget", "photons_and_read_noise"),
+                 render = member(told, "budget", "render");
+    const double largest =
+        0.1 * 2 * tan(M_PI / 18) * 0.2 * pow(2 * 5.4e-3 / (M_PI / 9), 2) / tan(M_PI / 6);
+    print_message("speckle %.3g m, stated %.3g; sum %.3g, all %.3g; bow %.3g, expected %.3g; noise "
+                  "%.3g; render %.3g\n",
+                  speckle, u, sum, all, bow, largest / sqrt(5), noise, render);
+    assert_true(member(told, "budget", "multipath") == 0);
+    if (!(fabs(bow / (largest / sqrt(5)) - 1) <= 0.05)) fail_msg("bow %g m", bow);
+    if (!(fabs(speckle / u - 1) <= 0.3)) fail_msg("speckle %g m, stated %g m", speckle, u);
+    if (!(fabs(sum / all - 1) <= 0.22)) fail_msg("sum %g m, all together %g m", sum, all);
+    /* Diffraction's tails reach beyond a window of 15 pixels. */
+    const double locking = member(told, "budget", "peak_locking");
+    if (!(locking > 1e-8 && locking < 2e-6)) fail_msg("peak locking %g m", locking);
+    assert_true(noise > 0 && noise < speckle && render > 0 && render < 0.1 * all);
+    json_decref(told);
+}
+
+/* The figures of data sheets: 48 pixels of 88 µm, 47 of 45 µm; perspective changes the first by
+ * some percent over its range. */
+static void test_figures(void **state) {
+    (void)state;
+    json_t *told = program_json("scan head.gltf --device reference --spp 16 --speckle off "
+                                "--exposure-time 1ms --json");
+    const struct {
+        const char *key;
+        double value, within;
+    } cases[] = {{"measuring_range", 48 * 88.38e-6, 0.05},
+                 {"reference_width", 47 * 45e-6, 0.01},
+                 {"resolution_x", 45e-6, 0.01},
+                 {"points_per_profile", 48, 0},
+                 {"height_of_a_pixel", 88.38e-6, 0.002},
+                 {"profile_rate_at_most", 1000, 1e-9}};
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        const double seen = member(told, "head", cases[i].key);
+        if (!(fabs(seen / cases[i].value - 1) <= cases[i].within))
+            fail_msg("%s: %g, expected %g", cases[i].key, seen, cases[i].value);
+    }
+    json_decref(told);
+}
+
+static void test_bad_input(void **state) {
+    (void)state;
+    program_fails("scan head.gltf --expose-to 0.5 --profiles 2", 2, "--feed is missing, or 0");
+    program_fails("scan head.gltf --expose-to 0.5 --profiles 2 --feed 0", 2,
+                  "--feed is missing, or 0");
+    program_fails("scan head.gltf --expose-to 0.5 --feed 1mm", 2,
+                  "give their number by --profiles");
+    program_fails("scan head.gltf --profiles 2 --feed 1mm", 2, "--expose-to");
+    program_fails("scan head.gltf --expose-to 0.5 --set emitters/sky/radiance=1", 3,
+                  "a scan is of lasers of one wavelength alone: switch off other lamps");
+    program_fails("scan head.gltf --expose-to 0.5 --laser lamp", 2, "lamp");
+    program_fails("scan head.gltf --expose-to 0.5 --window 8", 2, "--window 8: must be odd");
+    program_fails("scan head.gltf --expose-to 0.5 -o z.txt", 2, "must end in .csv");
+}
+
+int main(void) {
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_moving_head),
+        cmocka_unit_test(test_budget),
+        cmocka_unit_test(test_figures),
+        cmocka_unit_test(test_bad_input),
+    };
+    return cmocka_run_group_tests(tests, write_scene, leave_folder);
+}
