@@ -234,6 +234,37 @@ static bool is_cut(const mcv_ground *ground, const candidate *one) {
            (d->type == MCV_DEFECT_CHIP && distance_of((const double(*)[3])above) < d->size / 2);
 }
 
+/* The height of a triangle above or below the centre; NaN where it lies beside. */
+static double height_at_centre(const double c[3][3]) {
+    double shares[3], sum = 0, height = 0;
+    for (int k = 0; k < 3; ++k) {
+        const double *a = c[(k + 1) % 3], *b = c[(k + 2) % 3];
+        shares[k] = a[0] * b[1] - a[1] * b[0];
+        sum += shares[k];
+    }
+    for (int k = 0; k < 3; ++k) {
+        if (!(shares[k] / sum >= 0)) return NAN;
+        height += shares[k] / sum * c[k][2];
+    }
+    return height;
+}
+
+/* Does the defect push its surface through another one, where it is deepest? What lies nearer than
+ * a thousandth of the depth is the surface itself, twice in the file. */
+static mcv_result check_depth(const mcv_ground *ground, const candidate *other,
+                              const mcv_json_path *place, mcv_error *error) {
+    const mcv_defect_kind kind = mcv_defect_kind_of(ground->defect->type);
+    double slope[2];
+    if (kind != MCV_KIND_RELIEF && kind != MCV_KIND_PIT) return MCV_OK;
+    const double deepest = mcv_defect_height(ground->defect, 0, 0, slope),
+                 height = height_at_centre((const double(*)[3])other->corners);
+    if (!(height > deepest && height < deepest / 1000)) return MCV_OK;
+    return mcv_fail_at(place, error,
+                       "goes through its part: it is %.3g m deep, and the part is %.3g m thick "
+                       "there: make it shallower",
+                       -deepest, -height);
+}
+
 static mcv_result mark(search *s, mcv_ground *ground, uint8_t *const *marks,
                        const mcv_json_path *place, mcv_error *error) {
     const size_t root = join(s);
@@ -246,6 +277,7 @@ static mcv_result mark(search *s, mcv_ground *ground, uint8_t *const *marks,
         if (root_of(s, i) != root && cut && is_cut(ground, one))
             return mcv_fail_at(place, error,
                                "reaches another side of its part: move it, or make it smaller");
+        if (root_of(s, i) != root) MCV_TRY(check_depth(ground, one, place, error));
         if (root_of(s, i) != root) continue;
         const double cosine = facing(one);
         if (cosine < cos(steepest) && !cut)

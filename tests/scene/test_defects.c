@@ -275,10 +275,33 @@ static void spares_the_back(void **state) {
     mcv_scene_free(scene);
 }
 
+/* What is deeper than its plate is thick would come out at the back. A bump goes the other way. */
+static void refuses_to_go_through(void **state) {
+    static const uint32_t types[] = {MCV_DEFECT_DENT, MCV_DEFECT_SCRATCH, MCV_DEFECT_DIG,
+                                     MCV_DEFECT_BUMP};
+    const mcv_transform thin = {{1, 0, 0, 0, 1, 0, 0, 0, 0.004, 0, 0, 0}};
+    const mcv_defect_site site = {.node = "part", .by_point = true, .at = {0.1, 0.2, 0.002}};
+    const mcv_json_path place = mcv_place_file("(test)");
+    mcv_error error;
+    (void)state;
+    for (size_t i = 0; i < 4; ++i)
+        for (int deeper = 0; deeper < 2; ++deeper) {
+            mcv_scene *scene = scene_of(CUBE, &thin);
+            mcv_defect d = {.name = (char *)"one", .type = types[i], .size = 0.05, .length = 0.2};
+            d.depth = deeper ? 0.0041 : 0.0039;
+            const bool through = deeper && types[i] != MCV_DEFECT_BUMP;
+            assert_int_equal(mcv_defect_locate(scene, &site, &d, &place, &error), MCV_OK);
+            const mcv_result result = mcv_defect_apply(scene, &d, &place, &error);
+            assert_int_equal(result, through ? MCV_BAD_INPUT : MCV_OK);
+            if (through && !strstr(error.text, "0.004 m thick")) fail_msg("%s", error.text);
+            mcv_scene_free(scene);
+        }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(keeps_properties), cmocka_unit_test(reads_files),
+        cmocka_unit_test(keeps_properties),  cmocka_unit_test(reads_files),
         cmocka_unit_test(refuses_bad_input), cmocka_unit_test(refuses_edges),
-        cmocka_unit_test(spares_the_back)};
+        cmocka_unit_test(spares_the_back),   cmocka_unit_test(refuses_to_go_through)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
