@@ -130,9 +130,12 @@ static mcv_result render_light(work *w, const view *v, mcv_exr *light, mcv_exr *
     rendered.scene = w->still;
     rendered.film = &film;
     if (result == MCV_OK) result = mcv_rendered_develop(&rendered, light, error);
+    if (result == MCV_OK) result = mcv_scan_filter(&w->scan, v->window[0], light, laser, error);
     mcv_film_free(&fine);
     mcv_film_free(&film);
-    if (result != MCV_OK) mcv_exr_free(laser);
+    if (result == MCV_OK) return MCV_OK;
+    mcv_exr_free(light);
+    mcv_exr_free(laser);
     return result;
 }
 

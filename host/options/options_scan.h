@@ -9,6 +9,16 @@
       "how many profiles are rendered") \
     X(choice, scan_speckle, "speckle", 0, "on|off", MCV_IN_SCAN, "on", 0, 0, \
       "speckle, of another pattern in each profile") \
+    X(lengths, filter, "filter", 0, "L", MCV_IN_SCAN, NULL, 0, 1e-3, \
+      "a bandpass filter before the lens: the middle of its band at normal incidence [m], or " \
+      "with " \
+      "a unit, 660nm; it needs --filter-width") \
+    X(lengths, filter_width, "filter-width", 0, "W", MCV_IN_SCAN, NULL, 0, 1e-3, \
+      "width of the filter's band at half of its maximum [m], or with a unit, 20nm") \
+    X(number, filter_index, "filter-index", 0, "N", MCV_IN_SCAN, "1.8", 0, 10, \
+      "effective index of the filter's layers: light at a slant meets a band further in the " \
+      "blue, " \
+      "the more so the lower it is") \
     X(flag, budget, "budget", 0, NULL, MCV_IN_SCAN, NULL, 0, 0, \
       "tell what each cause brings to the error of heights, by a run of its own, and hold the " \
       "sum against all of them together")

@@ -94,6 +94,7 @@ mcv_result mcv_scan_begin(const mcv_command *command, const mcv_scene *scene, ui
                     .budget = command->budget};
     MCV_TRY(check_options(command, error));
     MCV_TRY(read_light(scene, s, error));
+    MCV_TRY(mcv_filter_read(command, s, &s->filter, error));
     MCV_TRY(mcv_camera_check_settings(&s->camera, error));
     if (!command->laser) s->command.laser = "laser";
     /* The images state their noise themselves. */

@@ -36,9 +36,16 @@ enum {
 };
 extern const mcv_scan_run mcv_scan_runs[MCV_SCAN_RUNS];
 
+/* An interference filter of two cavities: to the blue of its centre at a slant. */
+typedef struct mcv_bandpass {
+    double centre, width; /* at normal incidence, and full at half maximum [m]; 0: there is none */
+    double index;         /* effective, of its layers */
+} mcv_bandpass;
+
 typedef struct mcv_scan {
-    char *name;                 /* of the scene's file, borrowed, for messages */
-    mcv_command command;        /* as profiles need it: its texts are borrowed */
+    char *name;          /* of the scene's file, borrowed, for messages */
+    mcv_command command; /* as profiles need it: its texts are borrowed */
+    mcv_bandpass filter;
     mcv_camera_settings camera; /* of the laser's wavelength */
     mcv_camera_model model;     /* owned: of the whole film */
     mcv_transform laser;        /* of its node, without scale */
@@ -55,6 +62,21 @@ typedef struct mcv_scan {
 mcv_result mcv_scan_begin(const mcv_command *command, const mcv_scene *scene, uint32_t sensor,
                           mcv_scan *scan, mcv_error *error);
 void mcv_scan_free(mcv_scan *scan);
+
+/* scan_filter.c: the share of light that passes at this sine of the angle of incidence: 1/(1 + (2
+ * (λ - λ(θ))/width)⁴), λ(θ) = centre √(1 - (sin θ/index)²). */
+double mcv_filter_transmittance(const mcv_bandpass *filter, double wavelength, double sine);
+
+/* Reads the filter of the options. MCV_USAGE where half of the laser's light does not pass it. */
+mcv_result mcv_filter_read(const mcv_command *command, const mcv_scan *scan, mcv_bandpass *filter,
+                           mcv_error *error);
+
+/* What passes the filter along the chief ray of a place of the whole film. */
+double mcv_scan_transmittance(const mcv_scan *scan, double column, double row);
+
+/* Filters the light of a window and its sub-pixels in place. */
+mcv_result mcv_scan_filter(const mcv_scan *scan, uint32_t first, mcv_exr *light, mcv_exr *laser,
+                           mcv_error *error);
 
 /* Is the run needed? */
 bool mcv_scan_needs(const mcv_scan *scan, int run);

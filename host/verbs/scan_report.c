@@ -105,6 +105,12 @@ static void report_head(const mcv_scan *s, mcv_report *report) {
     }
     mcv_report_number(report, "points_per_profile", "", points);
     mcv_report_number(report, "height_of_a_pixel", "m", height_of_pixel(s));
+    if (s->filter.width > 0) {
+        const double size[2] = {s->model.size[0], s->model.size[1]};
+        mcv_report_number(report, "filter_passes_in_the_middle", "",
+                          mcv_scan_transmittance(s, size[0] / 2, size[1] / 2));
+        mcv_report_number(report, "filter_passes_in_a_corner", "", mcv_scan_transmittance(s, 0, 0));
+    }
     if (s->command.exposure_time > 0)
         mcv_report_number(report, "profile_rate_at_most", "1/s", 1 / s->command.exposure_time);
     if (s->budget) {

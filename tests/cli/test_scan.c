@@ -123,6 +123,54 @@ static void test_figures(void **state) {
     json_decref(told);
 }
 
+/* The light of the first place of a table. */
+static double first_sum(const char *options) {
+    char line[512], row[256];
+    snprintf(line, sizeof line,
+             "scan head.gltf --device reference --spp 64 --speckle off --noise-free --bits 16 "
+             "--exposure-time 0.2us --set sensors/camera/tilt=0 --set "
+             "sensors/camera/pixelSize=100um %s -o f.csv",
+             options);
+    program_well(line);
+    FILE *file = fopen("f.csv", "r");
+    assert_non_null(file);
+    for (int i = 0; i < 2; ++i) assert_non_null(fgets(row, sizeof row, file));
+    fclose(file);
+    const char *cell = row;
+    for (int comma = 0; comma < 6; ++comma) cell = strchr(cell, ',') + 1;
+    return strtod(cell, NULL);
+}
+
+/*
+ * A corner of a film of 4.8 mm, 27.78 mm behind the lens, sees by tan θ = 0.12219; 660 nm √(1 -
+ * (0.12129/1.8)²) = 658.50 nm, and 1.5 nm beside the middle of a band of 3 nm half of the light
+ * passes. The first column's middle, 2.35 mm aside, has sin θ = 0.08430: 0.7246 nm, 1/(1 +
+ * 0.4831⁴) = 0.9483. Light that is rounded to 16 bits, and what a threshold takes off its wings,
+ * leave 0.5 %.
+ */
+static void test_filter(void **state) {
+    (void)state;
+    json_t *told = program_json("scan head.gltf --device reference --spp 4 --speckle off "
+                                "--exposure-time 1us --filter 660nm --filter-width 3nm --json "
+                                "--set sensors/camera/tilt=0 "
+                                "--set sensors/camera/pixelSize=100um");
+    const double middle = member(told, "head", "filter_passes_in_the_middle"),
+                 corner = member(told, "head", "filter_passes_in_a_corner");
+    json_decref(told);
+    if (!(fabs(middle - 1) <= 1e-9) || !(fabs(corner - 0.5) <= 0.002))
+        fail_msg("%g in the middle, %g in a corner", middle, corner);
+    const double share = first_sum("--filter 660nm --filter-width 3nm") / first_sum("");
+    if (!(fabs(share - 0.9483) <= 0.005))
+        fail_msg("%g of the light passes, expected 0.9483", share);
+    program_fails("scan head.gltf --expose-to 0.5 --filter 690nm --filter-width 20nm", 2,
+                  "the laser's 660 nm lie outside of the filter's band, 680 … 700 nm");
+    program_fails("scan head.gltf --expose-to 0.5 --filter 660nm", 2,
+                  "--filter and --filter-width make a filter together");
+    program_fails(
+        "scan head.gltf --expose-to 0.5 --filter 660nm --filter-width 9nm --filter-index 0.5", 2,
+        "--filter-index 0.5: must be at least 1");
+}
+
 static void test_bad_input(void **state) {
     (void)state;
     program_fails("scan head.gltf --expose-to 0.5 --profiles 2", 2, "--feed is missing, or 0");
@@ -140,9 +188,8 @@ static void test_bad_input(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_moving_head),
-        cmocka_unit_test(test_budget),
-        cmocka_unit_test(test_figures),
+        cmocka_unit_test(test_moving_head), cmocka_unit_test(test_budget),
+        cmocka_unit_test(test_figures),     cmocka_unit_test(test_filter),
         cmocka_unit_test(test_bad_input),
     };
     return cmocka_run_group_tests(tests, write_scene, leave_folder);
