@@ -29,8 +29,9 @@ typedef struct reader {
 
 static double wrong(reader *r, const char *what) {
     if (r->result == MCV_OK) {
-        r->result = mcv_fail(r->error, MCV_USAGE, "\"%s\": %s at \"%.20s\"", r->text, what,
-                             *r->at ? r->at : "its end");
+        r->result =
+            *r->at ? mcv_fail(r->error, MCV_USAGE, "\"%s\": %s at \"%.20s\"", r->text, what, r->at)
+                   : mcv_fail(r->error, MCV_USAGE, "\"%s\": %s at its end", r->text, what);
     }
     return NAN;
 }

@@ -130,12 +130,21 @@ static mcv_result check_row(const mcv_optimization *o, const double *row, const 
     return MCV_OK;
 }
 
+/* Where all parameters are a program's, one render serves the whole search: the program looks at
+ * its exposures again and again. Only what confirms has renders of its own. */
+static uint32_t seed_of(const mcv_optimization *o, const mcv_evaluation *e) {
+    bool own = e->stage == MCV_STAGE_CONFIRM;
+    for (size_t i = 0; i < o->space.count; ++i)
+        own = own || !mcv_judge_has(o->space.parameters + i);
+    return own ? e->seed : 0;
+}
+
 static mcv_result render(mcv_optimization *o, const mcv_evaluation *e, mcv_error *error) {
     double row[MCV_ROW_MOST];
     bool wanted;
     mcv_plan *plan = &o->sweep.plan;
     memcpy(plan->sets + o->next * plan->varied, e->values, plan->varied * sizeof *row);
-    plan->seeds[o->next] = e->seed;
+    plan->seeds[o->next] = seed_of(o, e);
     MCV_TRY(mcv_plan_set(plan, o->next, row, &wanted, error));
     MCV_TRY(mcv_run_set(&o->sweep, o->next, row, error));
     o->rows[o->next] = o->sweep.table.row_count;

@@ -11,6 +11,10 @@
 enum { FEWEST_TRIALS = 10 };
 
 static mcv_result check(const mcv_study_asked *a, mcv_error *error) {
+    if (a->experiment.variation.vary.count == 0)
+        return mcv_fail(error, MCV_USAGE,
+                        "--tolerance is missing: give what varies, as in --tolerance "
+                        "'nodes/part/turnX=normal(0.5deg)'");
     if (a->repeats == 1)
         return mcv_fail(error, MCV_USAGE,
                         "--repeats 1: must be 2 or more, whose spread is the renders' noise, or 0");

@@ -157,6 +157,7 @@ static void test_bad_input(void **state) {
     program_fails(FROM "--objective mean=largest --require 'men<2'", 2,
                   "there is no metric or parameter \"men\"");
     program_fails(FROM "--objective mean=largest --where 'y>1'", 2, "there is no parameter");
+    program_fails(FROM "--objective mean=largest --where 'x>'", 2, "is missing at its end");
     program_fails(FROM "--objective mean=largest --where 'x>2'", 3, "constraints allow none");
     program_fails(FROM "--objective mean=largest --spp 4 --region "
                        "far=100,100,4,4 -o f.csv",

@@ -83,7 +83,7 @@ static void test_resumes(void **state) {
 
 static void test_bad_input(void **state) {
     (void)state;
-    program_fails(STUDY, 2, "--tolerance is missing");
+    program_fails(STUDY, 2, "as in --tolerance 'nodes/part/turnX=normal(0.5deg)'");
     program_fails(STUDY "--tolerance 'emitters/panel/radiance=gauss(1)'", 2,
                   "must be normal(U), uniform(A) or triangular(A)");
     program_fails(STUDY "--tolerance emitters/panel/radiance", 2, "must be PATH=");
