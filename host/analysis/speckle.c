@@ -46,10 +46,18 @@ static void transform_lines(void *user, size_t block) {
         return;
     }
     memset(values, 0, 2 * LINES * n * sizeof *values);
+    bool dark = true;
     for (size_t i = 0; i < n; ++i)
         for (size_t l = 0; l < count; ++l)
-            for (size_t part = 0; part < 2; ++part)
-                values[(2 * i + part) * LINES + l] = at(g, first + l, i)[part];
+            for (size_t part = 0; part < 2; ++part) {
+                const double value = at(g, first + l, i)[part];
+                values[(2 * i + part) * LINES + l] = value;
+                dark = dark && value == 0;
+            }
+    if (dark) { /* as is its transform: what the pupil stops is most of the grid */
+        free(values);
+        return;
+    }
     const double *out = mcv_fft(values, values + 2 * LINES * n, n, g->roots[g->axis]);
     for (size_t i = 0; i < n; ++i)
         for (size_t l = 0; l < count; ++l)
@@ -91,7 +99,7 @@ static double frequency(const speckle *s, int axis, size_t k) {
 static bool passes(const speckle *s, size_t column, size_t row) {
     const double radius = 2 * s->given->wavelength * s->given->f_number,
                  x = radius * frequency(s, 0, column), y = -radius * frequency(s, 1, row);
-    if (hypot(x, y) > 1) return false;
+    if (fabs(x) > 1 || fabs(y) > 1 || hypot(x, y) > 1) return false;
     return s->whole || mcv_aperture_weight(&s->aperture, (float)x, (float)y) > 0;
 }
 
