@@ -64,9 +64,8 @@ static uint32_t whole_number(const mcv_exr *exr, const char *name) {
     return number && *number >= 0 && *number <= 1000 ? (uint32_t)*number : 0;
 }
 
-/* What of the stop is open, by the header. */
-static mcv_result read_aperture(const char *path, const mcv_exr *exr, mcv_aperture_shape *aperture,
-                                mcv_error *error) {
+mcv_result mcv_exr_aperture(const char *path, const mcv_exr *exr, mcv_aperture_shape *aperture,
+                            mcv_error *error) {
     const mcv_attribute *word = mcv_exr_attribute(exr, MCV_PICTURE_APERTURE);
     const double *ratio = mcv_exr_numbers(exr, "mcvisi:apertureRatio", 1),
                  *rotation = mcv_exr_numbers(exr, "mcvisi:apertureRotation", 1);
@@ -105,7 +104,7 @@ static mcv_result describe(const mcv_camera_settings *settings, const char *path
                         "%s: has no f-number and pixel size of one stop in its header, which "
                         "make the grains of speckle: use a thinLens or telecentric sensor",
                         path);
-    MCV_TRY(read_aperture(path, exr, &speckle->aperture, error));
+    MCV_TRY(mcv_exr_aperture(path, exr, &speckle->aperture, error));
     speckle->disc_blurred = strcmp(settings->lens_mtf, "diffraction") == 0;
     speckle->f_number = *f_number;
     speckle->wavelength = *mcv_exr_numbers(laser, MCV_LASER_WAVELENGTH, 1);

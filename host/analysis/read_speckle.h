@@ -4,6 +4,7 @@
 #define MCVISI_HOST_ANALYSIS_READ_SPECKLE_H
 
 #include "analysis/read_out.h"
+#include "scene/aperture.h"
 
 /* In the header of a picture that lasers of one wavelength alone have lit: that and the largest of
  * their widths [m]. */
@@ -11,6 +12,11 @@
 #define MCV_LASER_LINEWIDTH "mcvisi:laserLinewidth"
 /* In that of grey values: the contrast of the field's speckle. */
 #define MCV_SPECKLE_CONTRAST "mcvisi:speckleContrast"
+
+/* What of the stop is open, by the header; `path` is for messages. MCV_BAD_INPUT for a mask, whose
+ * cells the header does not have, and for what is no shape. */
+mcv_result mcv_exr_aperture(const char *path, const mcv_exr *exr, mcv_aperture_shape *aperture,
+                            mcv_error *error);
 
 /*
  * Adds speckle to the first part, which the lens has blurred: the settings name the picture of the

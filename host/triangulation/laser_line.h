@@ -19,6 +19,8 @@
 #ifndef MCVISI_HOST_TRIANGULATION_LASER_LINE_H
 #define MCVISI_HOST_TRIANGULATION_LASER_LINE_H
 
+#include "scene/aperture.h"
+
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdint.h>
@@ -77,15 +79,24 @@ bool mcv_line_has_place(int state);
 mcv_line_place mcv_line_find(const mcv_line_settings *settings, const float *values,
                              const float *deviations, size_t count, size_t stride);
 
+/* The stop that makes speckle: what of its disc is open, NULL: all of it; and does a line whose
+ * places are rows run up the aperture, or to its right? */
+typedef struct mcv_line_stop {
+    const mcv_aperture_shape *aperture;
+    bool rows;
+} mcv_line_stop;
+
 /*
  * Standard deviation of the centre of gravity of a line of laser light by speckle [m]: a Gaussian
- * line of standard deviation `sigma` on the film, summed over pixels of `height` along it, seen
- * through a full round stop,
+ * line of standard deviation `sigma` on the film, summed over pixels of `height` along it,
  *
- *     σ² = C² ∬ x x' E(x) E(x') |µ|² /(∬E)²    µ = 2 J1(πr/(λN))/(πr/(λN)).
+ *     σ² = C² ∬ x x' E(x) E(x') |µ|² /(∬E)²
  *
- * grain: λN [m]; contrast: C of the field. Diffraction's own blur of the line counts in sigma.
+ * where µ is the transform of what is open of the stop, of the full disc 2 J1(πr/(λN))/(πr/(λN)).
+ * grain: λN of the full disc [m]; contrast: C of the field. Diffraction's own blur of the line
+ * counts in sigma. NaN without memory.
  */
-double mcv_line_speckle_noise(double contrast, double grain, double sigma, double height);
+double mcv_line_speckle_noise(double contrast, double grain, double sigma, double height,
+                              mcv_line_stop stop);
 
 #endif

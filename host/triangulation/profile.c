@@ -99,7 +99,8 @@ static void add_speckle(const mcv_profile_settings *s, const mcv_image *values, 
     const double variance = mean_variance(s, values, lies, points);
     if (!(s->contrast > 0) || !(variance > 0)) return;
     const double noise = mcv_line_speckle_noise(s->contrast, s->wavelength * model->f_number,
-                                                sqrt(variance) * across, along) /
+                                                sqrt(variance) * across, along,
+                                                (mcv_line_stop){s->aperture, s->rows}) /
                          across;
     for (uint32_t i = 0; i < lies.length; ++i)
         points[i].uncertainty = hypot(points[i].uncertainty, noise);

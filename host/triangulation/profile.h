@@ -27,7 +27,8 @@ typedef struct mcv_profile_settings {
     bool rows;              /* a place in each row, not in each column */
     /* Of the laser's light on the film, for speckle; contrast 0: there is none, or it is not known
      */
-    double contrast, wavelength; /* [1, m] */
+    double contrast, wavelength;        /* [1, m] */
+    const mcv_aperture_shape *aperture; /* what of the stop is open; NULL: the full disc */
     /* With heights: */
     const mcv_transform *laser; /* of the node, whose xz plane is that of the light; or NULL */
     const mcv_transform *frame; /* coordinates of points; not NULL beside a laser */

@@ -127,6 +127,44 @@ static void test_photons(void **state) {
 
 /* --- speckle --- */
 
+static const mcv_line_stop disc = {NULL, false};
+
+static double sinc(double x) { return x == 0 ? 1 : sin(M_PI * x) / (M_PI * x); }
+
+/*
+ * A square stop of diagonal 2 has |µ|² = sinc²(u/√2) sinc²(v/√2), so that the double integral is a
+ * product of two. A disc of cells has the closed form's deviation; the cells' stairs leave 1 % of
+ * an area of 128 cells across. A half is as wide as the disc along its edge and half as wide
+ * across, so that its grains lie along the line of one direction, and across that of the other.
+ */
+static void test_speckle_of_other_stops(void **state) {
+    (void)state;
+    const mcv_aperture_shape square = {.shape = MCV_APERTURE_BLADES,
+                                       .blades = 4,
+                                       .rotation = M_PI / 4},
+                             full = {.shape = MCV_APERTURE_DISC},
+                             half = {.shape = MCV_APERTURE_HALF};
+    const double s = 3, h = 2;
+    double across = 0, along = 0;
+    for (int i = 0; i < 4000; ++i) {
+        const double u = (i + 0.5) / 4000 * 6 * s, v = (i + 0.5) / 4000 * h;
+        across += (s * s / 2 - u * u / 4) * exp(-u * u / (4 * s * s)) * pow(sinc(u / M_SQRT2), 2) *
+                  6 * s / 4000;
+        along += (1 - v / h) * pow(sinc(v / M_SQRT2), 2) * h / 4000;
+    }
+    const double expected = sqrt(4 * across * along / (2 * s * sqrt(M_PI) * h)),
+                 seen = mcv_line_speckle_noise(1, 1, s, h, (mcv_line_stop){&square, false}),
+                 of_cells = mcv_line_speckle_noise(1, 1, s, h, (mcv_line_stop){&full, false}),
+                 closed = mcv_line_speckle_noise(1, 1, s, h, disc);
+    if (!(fabs(seen / expected - 1) <= 0.01)) fail_msg("square: %g, expected %g", seen, expected);
+    if (!(fabs(of_cells / closed - 1) <= 0.01)) fail_msg("disc: %g, expected %g", of_cells, closed);
+    const double upright = mcv_line_speckle_noise(1, 1, s, h, (mcv_line_stop){&half, false}),
+                 flat = mcv_line_speckle_noise(1, 1, s, h, (mcv_line_stop){&half, true});
+    print_message("square %.4f, expected %.4f; half %.4f and %.4f, disc %.4f\n", seen, expected,
+                  upright, flat, closed);
+    assert_true(upright > 1.1 * closed && flat > 1.1 * closed && fabs(upright / flat - 1) > 0.01);
+}
+
 /* The integral by another program (physics.md §3.4, three digits). */
 static void test_speckle_integral(void **state) {
     (void)state;
@@ -135,19 +173,19 @@ static void test_speckle_integral(void **state) {
                                        {0.652, 0.516, 0.387, 0.282, 0.144}};
     for (int s = 0; s < 2; ++s)
         for (int h = 0; h < 5; ++h) {
-            const double noise = mcv_line_speckle_noise(1, 1, s ? 4 : 2, heights[h]);
+            const double noise = mcv_line_speckle_noise(1, 1, s ? 4 : 2, heights[h], disc);
             note_truth("T30 speckle: double integral of lines [grains]", "program",
                        fabs(noise - table[s][h]), 0.0011);
             if (!(fabs(noise - table[s][h]) <= 0.0011))
                 fail_msg("sigma %d, height %g: %g, expected %g", s ? 4 : 2, heights[h], noise,
                          table[s][h]);
         }
-    assert_true(fabs(mcv_line_speckle_noise(0.5, 2, 4, 4) - 0.358) <= 0.0011);
+    assert_true(fabs(mcv_line_speckle_noise(0.5, 2, 4, 4, disc) - 0.358) <= 0.0011);
     /* A thick line averages over its width alone: four times the width, twice the noise, but for
      * the tail of |µ|², which falls as r⁻³ and is cut off at the width: some 1/50 of a grain of 50.
      */
-    const double thick = mcv_line_speckle_noise(1, 1, 50, 5),
-                 thicker = mcv_line_speckle_noise(1, 1, 200, 5);
+    const double thick = mcv_line_speckle_noise(1, 1, 50, 5, disc),
+                 thicker = mcv_line_speckle_noise(1, 1, 200, 5, disc);
     if (!(fabs(thicker / thick / 2 - 1) <= 0.02))
         fail_msg("sigma 50: %g, sigma 200: %g, expected %g", thick, thicker, 2 * thick);
 }
@@ -223,7 +261,7 @@ static void test_speckle_of_a_line(void **state) {
     const double seen[] = {deviation(&single), deviation(&pair)};
     for (int i = 0; i < 2; ++i) {
         const double expected =
-            mcv_line_speckle_noise(1, grain, 2 * grain, (i ? 2 : 1) * pixel[0]) / pixel[1];
+            mcv_line_speckle_noise(1, grain, 2 * grain, (i ? 2 : 1) * pixel[0], disc) / pixel[1];
         print_message("height %d λN: %.3f pixels, expected %.3f (%+.1f %%)\n", i ? 4 : 2, seen[i],
                       expected, 100 * (seen[i] / expected - 1));
         note_truth(i ? "T30 speckle: centroid of a line of 2 grains, h = 4"
@@ -338,6 +376,7 @@ int main(void) {
         cmocka_unit_test(test_photons),
         cmocka_unit_test(test_speckle_integral),
         cmocka_unit_test(test_speckle_of_a_line),
+        cmocka_unit_test(test_speckle_of_other_stops),
         cmocka_unit_test(test_speckle_of_a_spot),
         cmocka_unit_test(test_states),
         cmocka_unit_test(test_layout),

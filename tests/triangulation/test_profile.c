@@ -148,8 +148,9 @@ static void test_uncertainty(void **state) {
     settings.wavelength = 660e-9;
     const double noise = points[0].uncertainty;
     mcv_profile_find(&settings, &image, &deviations, &model, points);
-    const double speckle =
-        mcv_line_speckle_noise(0.7, 660e-9 * model.f_number, 1.5 * pixel, pixel) / pixel;
+    const double speckle = mcv_line_speckle_noise(0.7, 660e-9 * model.f_number, 1.5 * pixel, pixel,
+                                                  (mcv_line_stop){NULL, false}) /
+                           pixel;
     assert_true(fabs(points[0].uncertainty / hypot(noise, speckle) - 1) <= 1e-3);
     mcv_image_free(&image);
     mcv_image_free(&deviations);
