@@ -19,6 +19,9 @@
       "effective index of the filter's layers: light at a slant meets a band further in the " \
       "blue, " \
       "the more so the lower it is") \
+    X(text, raw_images, "images", 0, "PREFIX", MCV_IN_SCAN, NULL, 0, 0, \
+      "write the grey values of each profile, too: PREFIX0000.exr, PREFIX0001.exr …, of the rows " \
+      "that the line may reach") \
     X(flag, budget, "budget", 0, NULL, MCV_IN_SCAN, NULL, 0, 0, \
       "tell what each cause brings to the error of heights, by a run of its own, and hold the " \
       "sum against all of them together")

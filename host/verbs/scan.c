@@ -7,7 +7,9 @@
 #include "scene/sensors.h"
 #include "verbs/grey_picture.h"
 
+#include <limits.h>
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -228,12 +230,26 @@ static mcv_result expose(mcv_scan *s, const mcv_camera_settings *settings, const
     return result;
 }
 
+/* Writes the grey values of a profile, where they are asked for. */
+static mcv_result write_raw(const mcv_scan *s, uint32_t profile, const mcv_exr *grey,
+                            mcv_error *error) {
+    char path[PATH_MAX];
+    if (!s->command.raw_images) return MCV_OK;
+    const int length = snprintf(path, sizeof path, "%s%04u.exr", s->command.raw_images, profile);
+    if (length < 0 || (size_t)length >= sizeof path)
+        return mcv_fail(error, MCV_USAGE, "--images: the path of its files is too long");
+    return mcv_exr_write(path, grey->parts, grey->part_count, grey->attributes,
+                         grey->attribute_count, error);
+}
+
 mcv_result mcv_scan_find(mcv_scan *s, int run, uint32_t profile, const mcv_exr *light,
                          const mcv_exr *laser, mcv_profiles *profiles, mcv_error *error) {
     const mcv_camera_settings settings = settings_of(s, run, profile, laser);
     mcv_picture picture = {.path = s->name};
     MCV_TRY(expose(s, &settings, light, &picture.exr, error));
-    const mcv_result result = mcv_profiles_add(profiles, &picture, error);
+    mcv_result result = mcv_profiles_add(profiles, &picture, error);
+    if (result == MCV_OK && run == MCV_SCAN_ALL)
+        result = write_raw(s, profile, &picture.exr, error);
     mcv_exr_free(&picture.exr);
     return result;
 }

@@ -123,6 +123,26 @@ static void test_figures(void **state) {
     json_decref(told);
 }
 
+/* The grey values of a scan with speckle, filter and noise are images as `camera` makes them: by
+ * `triangulate` they have the same heights, to the bit. */
+static void test_raw_images(void **state) {
+    (void)state;
+    program_well("scan head.gltf --device reference --expose-to 0.2 --profiles 2 --feed 0.3mm "
+                 "--filter 660nm --filter-width 3nm --images raw -o whole.exr");
+    program_well("triangulate raw0000.exr raw0001.exr --laser laser --feed 0.3mm -o parts.exr");
+    static const char *const names[] = {"image", "error", "x", "y"};
+    for (uint32_t row = 0; row < 2; ++row)
+        for (size_t i = 0; i < sizeof names / sizeof names[0]; ++i) {
+            uint32_t seen, again;
+            const double a = row_mean("whole.exr", names[i], row, &seen),
+                         b = row_mean("parts.exr", names[i], row, &again);
+            if (!(a == b) || seen != again || seen < 40)
+                fail_msg("%s of row %u: %g of %u and %g of %u", names[i], row, a, seen, b, again);
+        }
+    program_fails("scan head.gltf --expose-to 0.2 --device reference --images none/raw", 3,
+                  "none/raw0000.exr");
+}
+
 /* The light of the first place of a table. */
 static double first_sum(const char *options) {
     char line[512], row[256];
@@ -190,7 +210,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_moving_head), cmocka_unit_test(test_budget),
         cmocka_unit_test(test_figures),     cmocka_unit_test(test_filter),
-        cmocka_unit_test(test_bad_input),
+        cmocka_unit_test(test_raw_images),  cmocka_unit_test(test_bad_input),
     };
     return cmocka_run_group_tests(tests, write_scene, leave_folder);
 }
