@@ -81,7 +81,7 @@ static void put_winner(FILE *out, const mcv_optimization *o, const mcv_page *pag
     put_number(out, &s, w->in_search);
     fputs(" there: the best of many noisy values looks better than it is.</p>\n<p>The search took ",
           out);
-    fprintf(out, "%zu renders, because ", o->found.count);
+    fprintf(out, "%zu evaluations, because ", o->found.count);
     mcv_html_text(out, o->found.ended);
     fputs(".</p></div>\n", out);
 }

@@ -11,7 +11,8 @@
 #include <string.h>
 
 static void put_head(FILE *out, const mcv_pod_study *s, const mcv_pod_page *page) {
-    mcv_html_begin(out, page->title ? page->title : "Probability of detection", true, "");
+    mcv_html_begin(out, page->title ? page->title : "Probability of detection", true,
+                   "; img-src data:");
     fputs("<p class=\"file\">", out);
     mcv_html_date(out);
     fprintf(out, " · mcvisi " MCV_VERSION " · %zu defects, %zu flawless parts</p>\n", s->count,
@@ -34,13 +35,16 @@ static bool put_answer(FILE *out, const mcv_pod_study *s) {
     return true;
 }
 
+/* Nothing is extrapolated: beyond the tested sizes only that it lies there is known. */
 static void put_size(FILE *out, const mcv_pod_study *s, const char *name, const mcv_pod_size *a) {
     const double values[3] = {a->value, a->low, a->high};
+    const mcv_pod_known known[3] = {a->value_known, a->low_known, a->high_known};
     char words[32];
     fprintf(out, "<tr><th>%s", name);
     for (int i = 0; i < 3; ++i) {
-        mcv_pod_size_words(s, values[i], words);
-        fprintf(out, "<td>%s", isnan(values[i]) ? "not known" : words);
+        mcv_pod_size_words(s, known[i] == MCV_POD_LARGER ? s->pod.largest : values[i], words);
+        fprintf(out, "<td>%s%s", known[i] == MCV_POD_LARGER ? "above " : "", words);
+        if (known[i] == MCV_POD_SMALLER) fputs(" or less", out);
     }
     fputs("\n", out);
 }

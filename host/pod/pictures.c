@@ -6,6 +6,7 @@
 #include "check/setup_page.h"
 #include "experiment/judge.h"
 #include "experiment/run_set.h"
+#include "experiment/units.h"
 #include "io/html.h"
 #include "io/thumbnail.h"
 
@@ -122,6 +123,10 @@ static mcv_result make_pair(const shown *s, size_t row, mcv_image images[2], mcv
 
 /* --- what is put --- */
 
+static mcv_shown_unit unit_of_size(const shown *s) {
+    return mcv_unit_of_parameter(s->sweep->plan.parameters + s->size);
+}
+
 static void put_pair(FILE *out, const shown *s, size_t row, const mcv_image images[2]) {
     const mcv_table *table = &s->sweep->table;
     const size_t count = (size_t)images[0].width * images[0].height * images[0].channels;
@@ -132,7 +137,8 @@ static void put_pair(FILE *out, const shown *s, size_t row, const mcv_image imag
         return;
     for (size_t i = 0; i < count; ++i)
         difference.pixels[i] = fabsf(images[0].pixels[i] - images[1].pixels[i]);
-    fprintf(out, "<tr><th>%.4g<td>", table->rows[row * table->columns + s->size]);
+    fprintf(out, "<tr><th>%.4g<td>",
+            table->rows[row * table->columns + s->size] * unit_of_size(s).per_si);
     mcv_thumbnail_put(out, images, "with the defect");
     fputs("<td>", out);
     mcv_thumbnail_put(out, images + 1, "without it");
@@ -145,11 +151,14 @@ static void put_pair(FILE *out, const shown *s, size_t row, const mcv_image imag
 /* The smallest, the middle and the largest. */
 static mcv_result put_pairs(FILE *out, const shown *s, mcv_error *error) {
     enum { PAIRS = 3 };
+    const mcv_shown_unit unit = unit_of_size(s);
+    char size[128];
+    mcv_name_with_unit(s->sweep->plan.parameters[s->size].name, &unit, size, sizeof size);
     fprintf(out,
             "<h2>What the camera sees</h2>\n<p>Light without the camera's noise. Each picture has "
             "a white of its own; the differences are stretched.</p>\n<table "
-            "class=\"told\">\n<tr><th>%s [SI]<th>with<th>without<th>difference\n",
-            s->sweep->plan.parameters[s->size].name);
+            "class=\"told\">\n<tr><th>%s<th>with<th>without<th>difference\n",
+            size);
     for (size_t i = 0; i < PAIRS && i < s->count; ++i) {
         mcv_image images[2] = {{0}};
         const size_t row = s->rows[i * (s->count - 1) / (PAIRS - 1)];

@@ -217,6 +217,30 @@ static void test_page(void **state) {
     json_decref(r);
 }
 
+/* Beyond the tested sizes only the side is known: with signals that grow as the size from 1 on, a
+ * threshold below all of them finds smaller ones, too, and one above all finds none. */
+static void test_page_beyond_the_sizes(void **state) {
+    (void)state;
+    char text[4096] = "size,signal\n";
+    for (int i = 1; i <= 40; ++i) {
+        const size_t at = strlen(text);
+        snprintf(text + at, sizeof text - at, "%g,%g\n", 1e-3 * i, i + 0.1 * (i % 3));
+    }
+    write_text("beyond.csv", text);
+    for (int k = 0; k < 2; ++k) {
+        json_decref(study("beyond.csv", k ? "{\"signal\": \"signal\", \"threshold\": \"60\", "
+                                            "\"output\": \"b.html\"}"
+                                          : "{\"signal\": \"signal\", \"threshold\": \"0.1\", "
+                                            "\"output\": \"b.html\"}"));
+        char *page = read_page("b.html");
+        const char *row = k ? "(a50)<td>above 40 mm<td>above 40 mm<td>above 40 mm"
+                            : "(a50)<td>1 mm or less<td>1 mm or less<td>1 mm or less";
+        expect_on(page, row, true);
+        expect_on(page, "nan", false);
+        free(page);
+    }
+}
+
 /* Without a bound there is no band and no a90/95. */
 static void test_page_without_bound(void **state) {
     (void)state;
@@ -343,11 +367,17 @@ static void test_experiment_refused(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_page),       cmocka_unit_test(test_page_without_bound),
-        cmocka_unit_test(test_table),      cmocka_unit_test(test_defects),
-        cmocka_unit_test(test_no_number),  cmocka_unit_test(test_refused),
-        cmocka_unit_test(test_values),     cmocka_unit_test(test_the_verb),
-        cmocka_unit_test(test_experiment), cmocka_unit_test(test_experiment_refused),
+        cmocka_unit_test(test_page),
+        cmocka_unit_test(test_page_beyond_the_sizes),
+        cmocka_unit_test(test_page_without_bound),
+        cmocka_unit_test(test_table),
+        cmocka_unit_test(test_defects),
+        cmocka_unit_test(test_no_number),
+        cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_values),
+        cmocka_unit_test(test_the_verb),
+        cmocka_unit_test(test_experiment),
+        cmocka_unit_test(test_experiment_refused),
     };
     return cmocka_run_group_tests(tests, enter_folder, leave_folder);
 }
