@@ -5,7 +5,10 @@
 
 #include <math.h>
 
-enum { MOST_TICKS = 12 };
+enum {
+    MOST_TICKS = 12,
+    DIGIT = 8 /* width of one [CSS pixels]: 0.64 of 12 in the widest usual fonts */
+};
 
 double mcv_axis_place(const mcv_axis *a, double value) {
     const double v = a->logarithmic ? log10(value) : value;
@@ -74,6 +77,20 @@ void mcv_axes_put_names(FILE *out, const char *x_name, const char *y_name) {
     fputs("</text>\n", out);
 }
 
+/* The numbers of a horizontal axis, without those that would run into the one before. */
+static void put_numbers_of_x(FILE *out, const mcv_axis *x, int y, const double *ticks,
+                             size_t count) {
+    double written = -INFINITY; /* to here */
+    for (size_t i = 0; i < count; ++i) {
+        char words[32];
+        const double half = snprintf(words, sizeof words, "%.4g", ticks[i]) * DIGIT / 2.0,
+                     at = mcv_axis_place(x, ticks[i]);
+        if (at - half < written) continue;
+        written = at + half + DIGIT;
+        fprintf(out, "<text x=\"%.1f\" y=\"%d\" text-anchor=\"middle\">%s</text>\n", at, y, words);
+    }
+}
+
 void mcv_axes_put(FILE *out, const mcv_axis *x, const mcv_axis *y, const char *x_name,
                   const char *y_name) {
     const int right = MCV_PLOT_WIDTH - MCV_PLOT_RIGHT, bottom = MCV_PLOT_HEIGHT - MCV_PLOT_BOTTOM;
@@ -83,11 +100,9 @@ void mcv_axes_put(FILE *out, const mcv_axis *x, const mcv_axis *y, const char *x
     fprintf(out, "<rect class=\"frame\" x=\"%d\" y=\"%d\" width=\"%d\" height=\"%d\"/>\n",
             MCV_PLOT_LEFT, MCV_PLOT_TOP, right - MCV_PLOT_LEFT, bottom - MCV_PLOT_TOP);
     for (size_t i = 0; i < count; ++i)
-        fprintf(out,
-                "<path class=\"grid\" d=\"M%.1f %dV%d\"/><text x=\"%.1f\" y=\"%d\" "
-                "text-anchor=\"middle\">%.4g</text>\n",
-                mcv_axis_place(x, ticks[i]), MCV_PLOT_TOP, bottom, mcv_axis_place(x, ticks[i]),
-                bottom + 16, ticks[i]);
+        fprintf(out, "<path class=\"grid\" d=\"M%.1f %dV%d\"/>", mcv_axis_place(x, ticks[i]),
+                MCV_PLOT_TOP, bottom);
+    put_numbers_of_x(out, x, bottom + 16, ticks, count);
     count = make_ticks(y, ticks);
     for (size_t i = 0; i < count; ++i)
         fprintf(out,

@@ -4,9 +4,11 @@
 
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
 
+#include "io/axis.h"
 #include "io/figure.h"
 
 static const char PATH[] = "test_figure.png";
@@ -117,9 +119,42 @@ static void test_bad_path(void **state) {
     mcv_image_free(&image);
 }
 
+/* The numbers of a horizontal axis stand apart, also long ones: half of each, of 7.7 pixels a digit
+ * as DejaVu Sans has at 12 pixels. Ticks lie at 1, 2 or 5 times a power of ten, so that at least
+ * one number in three fits. */
+static void test_numbers_stand_apart(void **state) {
+    static const double ranges[][2] = {{0.00056, 0.000605}, {0, 10}, {-3.7e-7, -3.2e-7}};
+    (void)state;
+    for (size_t i = 0; i < sizeof ranges / sizeof *ranges; ++i) {
+        char *text = NULL;
+        size_t size, numbers = 0, lines = 0;
+        double before = -INFINITY;
+        FILE *out = open_memstream(&text, &size);
+        assert_non_null(out);
+        const mcv_axis across = mcv_axis_over(ranges[i][0], ranges[i][1], false, MCV_PLOT_LEFT,
+                                              MCV_PLOT_WIDTH - MCV_PLOT_RIGHT),
+                       up = mcv_axis_over(0, 1, false, 0, 100);
+        mcv_axes_put(out, &across, &up, "x", "y");
+        assert_int_equal(fclose(out), 0);
+        for (const char *at = text; (at = strstr(at, "<text x=\"")); ++at) {
+            char *rest;
+            const double x = strtod(at + strlen("<text x=\""), &rest);
+            const char *words = strstr(rest, ">") + 1;
+            if (strncmp(words - 9, "\"middle\"", 8) != 0) continue;
+            const double half = 7.7 / 2 * (double)strcspn(words, "<");
+            if (x - half < before) fail_msg("the number at %g begins before %g", x, before);
+            before = x + half;
+            ++numbers;
+        }
+        for (const char *at = text; (at = strstr(at, "V288\"/>")); ++at) ++lines;
+        assert_true(lines >= 5 && 3 * numbers >= lines);
+        free(text);
+    }
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_colormaps),
-                                       cmocka_unit_test(test_picture),
-                                       cmocka_unit_test(test_bad_path)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_colormaps), cmocka_unit_test(test_picture),
+        cmocka_unit_test(test_bad_path), cmocka_unit_test(test_numbers_stand_apart)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
