@@ -209,7 +209,7 @@ mcv_result mcv_find_flat_glass(const mcv_scene *scene, mcv_findings *findings, m
         MCV_TRY(mcv_findings_add(
             findings, MCV_SEVERITY_WARNING, "nodes", scene->instances[i].name, NULL, error,
             "%s is curved glass made of flat facets, with angles of up to %.3g degrees at %u "
-            "edges: it refracts like many prisms, not like a lens; give an .stl asset "
+            "edges: it refracts like many prisms, not like a lens; give its asset "
             "\"creaseAngle\": \"30deg\", or export a .glb with vertex normals (shade smooth)",
             mcv_instance_label(scene, i, label), most * 180 / M_PI, faceted));
     }

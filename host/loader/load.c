@@ -8,6 +8,7 @@
 #include "scene/params.h"
 #include "scene/spectra.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -114,6 +115,7 @@ static mcv_loader new_loader(const char *path, mcv_asset_cache *cache) {
     return (mcv_loader){.file = mcv_place_file(path),
                         .solid = MCV_NONE,
                         .asset_material = MCV_NONE,
+                        .crease_angle = NAN,
                         .plain = MCV_NONE,
                         .absorber = MCV_NONE,
                         .cache = cache};

@@ -36,8 +36,7 @@ static mcv_result read_unit(const json_t *object, double *unit, const mcv_json_p
 }
 
 static mcv_result open_stl(mcv_loader *loader, mcv_loader *asset, const json_t *object,
-                           const char *uri, double crease_angle, const mcv_json_path *place,
-                           mcv_error *error) {
+                           const char *uri, const mcv_json_path *place, mcv_error *error) {
     const mcv_cached_asset *cached = mcv_asset_cache_find(loader->cache, asset->file.key);
     double size[3] = {0};
     const mcv_json_path here = mcv_json_path_key(place, "unit"),
@@ -65,9 +64,9 @@ static mcv_result open_stl(mcv_loader *loader, mcv_loader *asset, const json_t *
             "is missing, and \"%s\" does not state it: the part is %.4g x %.4g x %.4g units "
             "large, and most files use \"mm\"",
             uri, size[0], size[1], size[2]);
-    if (!isnan(crease_angle))
-        MCV_TRY(
-            mcv_mesh_make_normals(asset->scene->meshes + asset->solid, crease_angle, place, error));
+    if (!isnan(asset->crease_angle))
+        MCV_TRY(mcv_mesh_make_normals(asset->scene->meshes + asset->solid, asset->crease_angle,
+                                      place, error));
     MCV_TRY(
         mcv_load_find_material(loader, object, "material", &asset->asset_material, place, error));
     return asset->asset_material == MCV_NONE ? mcv_load_plain(loader, &asset->asset_material, error)
@@ -97,8 +96,7 @@ static mcv_result open_asset(mcv_loader *loader, const json_t *object, size_t in
     const char *uri = NULL;
     asset_params params;
     mcv_loader *asset = loader->assets + index;
-    const mcv_json_path here = mcv_json_path_key(place, "uri"),
-                        crease = mcv_json_path_key(place, "creaseAngle");
+    const mcv_json_path here = mcv_json_path_key(place, "uri");
     mcv_params_set_defaults(mcv_asset_table(), &params);
     MCV_TRY(mcv_params_parse(mcv_asset_table(), object, others, &params, place, error));
     MCV_TRY(mcv_params_check(mcv_asset_table(), &params, place, error));
@@ -108,9 +106,6 @@ static mcv_result open_asset(mcv_loader *loader, const json_t *object, size_t in
     if (!stl && !mcv_ends_in(uri, ".gltf") && !mcv_ends_in(uri, ".glb"))
         return mcv_fail_at(&here, error, "\"%s\" must be a .gltf, .glb or .stl file: %s", uri,
                            mcv_conversion(uri));
-    if (!stl && !isnan(params.creaseAngle))
-        return mcv_fail_at(&crease, error,
-                           "is for .stl files: \"%s\" has its own normals, or flat triangles", uri);
     for (size_t i = 0; stl && i < 2; ++i) {
         const mcv_json_path of = mcv_json_path_key(place, of_gltf[i]);
         if (json_object_get(object, of_gltf[i]))
@@ -130,13 +125,14 @@ static mcv_result open_asset(mcv_loader *loader, const json_t *object, size_t in
                           .cache = loader->cache,
                           .solid = MCV_NONE,
                           .asset_material = MCV_NONE,
+                          .crease_angle = params.creaseAngle,
                           .placer = loader,
                           .entry = object,
                           .entry_place = place,
                           .plain = MCV_NONE,
                           .absorber = MCV_NONE};
     MCV_TRY(read_unit(object, &asset->unit, place, error));
-    MCV_TRY(stl ? open_stl(loader, asset, object, uri, params.creaseAngle, place, error)
+    MCV_TRY(stl ? open_stl(loader, asset, object, uri, place, error)
                 : open_gltf(asset, &here, error));
     mcv_load_count(loader, &asset->fingerprint, sizeof asset->fingerprint);
     return MCV_OK;

@@ -2,9 +2,11 @@
 /* glTF primitives to triangle meshes. */
 #include "loader/loader.h"
 
+#include "loader/memory.h"
 #include "scene/mesh.h"
 #include "scene/materials.h"
 
+#include <math.h>
 #include <stdlib.h>
 
 enum { MODE_TRIANGLES = 4, MODE_STRIP = 5, MODE_FAN = 6 };
@@ -89,6 +91,16 @@ static mcv_result read_indices(const mcv_loader *loader, const json_t *primitive
     return MCV_OK;
 }
 
+/* Vertex normals by the asset's crease angle, in place of the file's. */
+static mcv_result make_normals(mcv_loader *loader, mcv_mesh *mesh, const mcv_json_path *place,
+                               mcv_error *error) {
+    const uint64_t floats =
+        3 + 3 + (mesh->texcoords ? 2 : 0) + (mesh->texcoords1 ? 2 : 0) + (mesh->tangents ? 4 : 0);
+    MCV_TRY(mcv_memory_take(loader->memory, &loader->memory->geometry,
+                            3 * floats * sizeof(float) * mesh->triangle_count, place, error));
+    return mcv_mesh_make_normals(mesh, loader->crease_angle, place, error);
+}
+
 /* Reads the arrays of one primitive; on failure the caller frees them. */
 static mcv_result read_primitive(mcv_loader *loader, const json_t *primitive, uint64_t mode,
                                  bool needs_tangents, mcv_mesh *mesh, const mcv_json_path *place,
@@ -121,6 +133,7 @@ static mcv_result read_primitive(mcv_loader *loader, const json_t *primitive, ui
                                (unsigned)(listed % 3)));
     uint32_t repaired;
     MCV_TRY(mcv_mesh_check(mesh, &repaired, place, error));
+    if (!isnan(loader->crease_angle)) return make_normals(loader, mesh, place, error);
     return repaired ? mcv_scene_warn(
                           loader->scene, error,
                           "mesh \"%s\": %u normals of length 0 are replaced by those of the faces",

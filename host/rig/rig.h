@@ -69,6 +69,7 @@ typedef struct mcv_rig_design {
     mcv_rig_wishes wishes;
     bool stl;
     bool passes_light;         /* a material of the part's own does */
+    bool has_normals;          /* a mesh of the part does */
     double lower[3], upper[3]; /* the part's box */
     uint32_t triangles;
     double centre[3], across[2],
@@ -79,7 +80,7 @@ typedef struct mcv_rig_design {
     double magnification, focal_length, working_distance, f_number, field[2];
     mcv_rig_light light;
     char material[160]; /* MCVISI_materials of the part, as JSON; empty: its own */
-    bool needs_normals; /* an .stl file of glass or a mirror */
+    bool needs_normals; /* glass or a mirror, whose file has flat triangles only */
 } mcv_rig_design;
 
 /*

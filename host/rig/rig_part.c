@@ -66,6 +66,7 @@ static mcv_result read_gltf(mcv_rig_design *r, double unit, mcv_error *error) {
         const mcv_instance *instance = scene->instances + i;
         add_points(r, scene->meshes + instance->mesh, &instance->to_world, unit);
         r->passes_light = r->passes_light || passes_light(scene->materials + instance->material);
+        r->has_normals = r->has_normals || scene->meshes[instance->mesh].normals;
     }
     mcv_scene_free(scene);
     return r->triangles ? MCV_OK
@@ -139,7 +140,10 @@ mcv_result mcv_rig_choose_material(mcv_rig_design *r, mcv_error *error) {
     bool clear = false;
     const bool transparent = r->wishes.kind == MCV_RIG_TRANSPARENT;
     /* CAD exports glass as opaque as steel. */
-    if (!name && !r->stl && (!transparent || r->passes_light)) return MCV_OK;
+    if (!name && !r->stl && (!transparent || r->passes_light)) {
+        r->needs_normals = r->passes_light && !r->has_normals;
+        return MCV_OK;
+    }
     if (!name) name = transparent ? "N-BK7" : "diffuse";
     if (mcv_rig_word_index(name, mcv_param_options("metal")) >= 0) {
         snprintf(r->material, room,
@@ -155,6 +159,6 @@ mcv_result mcv_rig_choose_material(mcv_rig_design *r, mcv_error *error) {
     } else {
         return fail_material(name, error);
     }
-    r->needs_normals = r->stl && clear;
+    r->needs_normals = clear && !r->has_normals;
     return MCV_OK;
 }

@@ -20,8 +20,9 @@ mcv_result mcv_mesh_check(mcv_mesh *mesh, uint32_t *repaired, const mcv_json_pat
 mcv_result mcv_mesh_make_tangents(mcv_mesh *mesh, const mcv_json_path *place, mcv_error *error);
 
 /*
- * Makes vertex normals for a mesh of separate triangles, such as an STL file's: continuous where
- * faces meet at crease_angle [rad] or less, sharp elsewhere (normals.c). Replaces existing normals.
+ * Makes vertex normals: continuous where faces meet at crease_angle [rad] or less, sharp elsewhere
+ * (normals.c). Replaces existing normals. Afterwards no two triangles share a vertex. The mesh must
+ * have passed mcv_mesh_check.
  */
 mcv_result mcv_mesh_make_normals(mcv_mesh *mesh, double crease_angle, const mcv_json_path *place,
                                  mcv_error *error);

@@ -17,9 +17,10 @@
  * name, then `material`. A name that occurs several times means all of them. A nameless material or
  * node goes by its index. A replaced material does not emit.
  *
- * STL files contain flat triangles only. With a `creaseAngle` (host/scene/normals.c) they get
- * vertex normals that are continuous where faces meet at this angle or less. Curved lenses and
- * curved mirrors need them.
+ * STL files contain flat triangles only, and so do glTF files without NORMAL. With a `creaseAngle`
+ * (host/scene/normals.c) a part gets vertex normals that are continuous where faces of one mesh
+ * primitive meet at this angle or less; they replace those of a glTF file. Curved lenses and curved
+ * mirrors need them.
  */
 #ifndef MCVISI_ASSET_H
 #define MCVISI_ASSET_H
@@ -28,7 +29,7 @@
 
 #define MCV_ASSET_PARAMS(X) \
     X(angle, creaseAngle, MCV_UNSET, 0, 3.141592653589793, \
-      "of an .stl file: faces that meet at this angle or less form one smooth surface; without " \
-      "it triangles are flat [rad]")
+      "faces that meet at this angle or less form one smooth surface, also in place of a glTF " \
+      "file's normals; without it triangles of an .stl file are flat [rad]")
 
 #endif

@@ -374,8 +374,8 @@ static void test_views(void **state) {
                   "or a direction X,Y,Z");
 }
 
-/* A plate of 40 x 40 mm in a glTF file, with this material. */
-static void write_plate(const char *path, const char *material) {
+/* A plate of 40 x 40 mm in a glTF file, with this material, and normals of its own or none. */
+static void write_plate(const char *path, const char *material, bool normals) {
     char text[2048];
     snprintf(text, sizeof text,
              "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],"
@@ -385,39 +385,46 @@ static void write_plate(const char *path, const char *material) {
              "\"byteLength\":12}],\"accessors\":[{\"bufferView\":0,\"componentType\":5126,"
              "\"count\":4,\"type\":\"VEC3\",\"min\":[-0.02,-0.02,0],\"max\":[0.02,0.02,0]},"
              "{\"bufferView\":1,\"componentType\":5123,\"count\":6,\"type\":\"SCALAR\"}],"
-             "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1,"
+             "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0%s},\"indices\":1,"
              "\"material\":0}]}],\"nodes\":[{\"name\":\"plate\",\"mesh\":0}],\"materials\":[%s]}",
-             material);
+             normals ? ",\"NORMAL\":0" : "", material);
     write_file(path, text);
 }
 
 /* CAD exports glass as it does steel: in a rig for transparent parts it becomes glass, as an .stl
- * file's does. What passes light keeps its own material, and so does a part of other rigs. */
+ * file's does. What passes light keeps its own material, and so does a part of other rigs. Glass
+ * whose file has no normals gets a crease angle. */
 static void test_materials_of_gltf_parts(void **state) {
     static const struct {
         const char *material, *kind;
-        bool glass;
+        bool glass, normals, crease;
     } cases[] = {
         {"{\"name\":\"steel\",\"pbrMetallicRoughness\":{\"metallicFactor\":1}}", "transparent",
-         true},
+         true, false, true},
+        {"{\"name\":\"steel\",\"pbrMetallicRoughness\":{\"metallicFactor\":1}}", "transparent",
+         true, true, false},
         {"{\"name\":\"steel\",\"pbrMetallicRoughness\":{\"metallicFactor\":1}}", "telecentric",
-         false},
+         false, false, false},
         {"{\"name\":\"pane\",\"extensions\":{\"KHR_materials_transmission\":{"
          "\"transmissionFactor\":1}}}",
-         "transparent", false},
+         "transparent", false, false, true},
         {"{\"name\":\"flint\",\"extensions\":{\"MCVISI_materials\":{\"type\":\"dielectric\","
          "\"glass\":\"N-SF11\"}}}",
-         "transparent", false},
+         "transparent", false, false, true},
+        {"{\"name\":\"flint\",\"extensions\":{\"MCVISI_materials\":{\"type\":\"dielectric\","
+         "\"glass\":\"N-SF11\"}}}",
+         "transparent", false, true, false},
     };
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
         char line[128];
-        write_plate("plate.gltf", cases[i].material);
+        write_plate("plate.gltf", cases[i].material, cases[i].normals);
         snprintf(line, sizeof line, "new %s plate.gltf --force -o of.gltf", cases[i].kind);
         program_well(line);
         const char *rig = read_whole("of.gltf");
         if ((strstr(rig, "\"glass\": \"N-BK7\"") != NULL) != cases[i].glass ||
-            (strstr(rig, "\"materials\"") != NULL) != cases[i].glass)
+            (strstr(rig, "\"materials\"") != NULL) != cases[i].glass ||
+            (strstr(rig, "\"creaseAngle\"") != NULL) != cases[i].crease)
             fail_msg("%s, %s: %s", cases[i].kind, cases[i].material, rig);
         program_well("check of.gltf");
     }

@@ -151,8 +151,6 @@ static void test_sentences(void **state) {
     expect_refused(",\"materials\":[\"glass\"]", NULL, "assets/part/materials: must be an object");
     expect_refused(",\"material\":\"brass\"", NULL,
                    "assets/part/material: there is no material \"brass\"");
-    expect_refused(",\"creaseAngle\":\"30deg\"", NULL,
-                   "assets/part/creaseAngle: is for .stl files");
     expect_refused("", "assets/part/materials/Rubbr=glass", "did you mean \"Rubber\"?");
     /* A name that goes on behind U+0000 shows it as the replacement character; who asks for it
      * without is told. */

@@ -9,6 +9,7 @@
 #include "reference/reference.h"
 #include "scene_files.h"
 #include "scene/geometry.h"
+#include "scene/transform.h"
 
 static mcv_error error;
 
@@ -129,6 +130,82 @@ static void test_box(void **state) {
                 expected[i] =
                     (corners[c][i] > 0.005 ? 10 + i : -10 - i) / sqrt(10 * 10 + 11 * 11 + 12 * 12);
             expect_normal(scene, t, c, expected, rounding);
+        }
+    mcv_scene_free(scene);
+}
+
+/* A box of eight shared vertices, whose own normals are wrong, in a glTF file. Its texture
+ * coordinates are x and y. Loaded as the part of a rig, in mm. */
+static mcv_scene *load_gltf_box(const char *rest) {
+    enum { VERTICES = 8, INDICES = 36 };
+    struct {
+        float positions[VERTICES][3], normals[VERTICES][3], texcoords[VERTICES][2];
+        uint16_t indices[INDICES];
+    } buffer;
+    const solid s = make_box();
+    for (int v = 0; v < VERTICES; ++v) {
+        for (int i = 0; i < 3; ++i) buffer.positions[v][i] = v >> i & 1 ? (float)(10 + i) : 0;
+        memcpy(buffer.normals[v], (float[3]){0, 0.6f, 0.8f}, sizeof buffer.normals[v]);
+        memcpy(buffer.texcoords[v], buffer.positions[v], sizeof buffer.texcoords[v]);
+    }
+    for (int k = 0; k < INDICES; ++k) {
+        float at[3];
+        memcpy(at, s.bytes + 84 + 50 * (k / 3) + 12 + 12 * (k % 3), sizeof at);
+        buffer.indices[k] = (uint16_t)((at[0] > 5) + 2 * (at[1] > 5) + 4 * (at[2] > 5));
+    }
+    free(s.bytes);
+    free(write_bytes("crease.bin", &buffer, sizeof buffer));
+    char *part = text_of(
+        "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{"
+        "\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"NORMAL\":1,"
+        "\"TEXCOORD_0\":2},\"indices\":3}]}],\"accessors\":["
+        "{\"bufferView\":0,\"componentType\":5126,\"count\":8,\"type\":\"VEC3\",\"min\":[0,0,0],"
+        "\"max\":[10,11,12]},"
+        "{\"bufferView\":1,\"componentType\":5126,\"count\":8,\"type\":\"VEC3\"},"
+        "{\"bufferView\":2,\"componentType\":5126,\"count\":8,\"type\":\"VEC2\"},"
+        "{\"bufferView\":3,\"componentType\":5123,\"count\":36,\"type\":\"SCALAR\"}],"
+        "\"bufferViews\":[{\"buffer\":0,\"byteLength\":96},{\"buffer\":0,\"byteOffset\":96,"
+        "\"byteLength\":96},{\"buffer\":0,\"byteOffset\":192,\"byteLength\":64},{\"buffer\":0,"
+        "\"byteOffset\":256,\"byteLength\":72}],"
+        "\"buffers\":[{\"uri\":\"crease.bin\",\"byteLength\":%zu}]}",
+        sizeof buffer);
+    free(write_bytes("crease_part.gltf", part, strlen(part)));
+    free(part);
+    char *text =
+        text_of("{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],"
+                "\"extensions\":{\"MCVISI_assets\":{\"assets\":[{\"uri\":\"crease_part.gltf\","
+                "\"unit\":\"mm\"%s}]}},"
+                "\"nodes\":[{\"extensions\":{\"MCVISI_assets\":{\"asset\":0}}}]}",
+                rest);
+    mcv_scene *scene;
+    if (load_text("crease.gltf", text, NULL, &scene, &error) != MCV_OK) fail_msg("%s", error.text);
+    free(text);
+    return scene;
+}
+
+/* A glTF file keeps its normals, unless a crease angle makes new ones. Vertices that faces share
+ * are parted then, with all their values. */
+static void test_gltf(void **state) {
+    (void)state;
+    mcv_scene *scene = load_gltf_box("");
+    assert_int_equal(scene->meshes[0].vertex_count, 8);
+    expect_normal(scene, 0, 0, (const double[3]){0, 0.6, 0.8}, rounding);
+    mcv_scene_free(scene);
+    scene = load_gltf_box(",\"creaseAngle\":\"89deg\"");
+    const mcv_mesh *mesh = scene->meshes;
+    assert_int_equal(mesh->vertex_count, 36);
+    for (uint32_t t = 0; t < 12; ++t)
+        for (int c = 0; c < 3; ++c) {
+            double face[3], corners[3][3];
+            mcv_scene_face_normal(scene, 0, t, face);
+            mcv_normalize3(face, face);
+            expect_normal(scene, t, c, face, rounding);
+            mcv_scene_corners(scene, 0, t, corners);
+            const float *uv = mesh->texcoords + 2 * (size_t)mesh->indices[3 * t + (uint32_t)c];
+            for (int i = 0; i < 2; ++i)
+                if (fabs(1000 * corners[c][i] - uv[i]) > 12 * rounding)
+                    fail_msg("triangle %u corner %d: texture coordinate %d is %g, must be %g", t, c,
+                             i, uv[i], 1000 * corners[c][i]);
         }
     mcv_scene_free(scene);
 }
@@ -309,8 +386,8 @@ static void test_ball_focuses(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_box), cmocka_unit_test(test_cylinder),
-                                       cmocka_unit_test(test_sliver),
-                                       cmocka_unit_test(test_ball_focuses)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_box), cmocka_unit_test(test_gltf), cmocka_unit_test(test_cylinder),
+        cmocka_unit_test(test_sliver), cmocka_unit_test(test_ball_focuses)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
