@@ -3,6 +3,7 @@
 
 #include "analysis/speckle.h"
 #include "io/picture_header.h"
+#include "scene/camera_model.h"
 #include "scene/params.h"
 
 #include <math.h>
@@ -92,6 +93,34 @@ mcv_result mcv_exr_aperture(const char *path, const mcv_exr *exr, mcv_aperture_s
                     path, MCV_PICTURE_APERTURE, word->text ? word->text : "");
 }
 
+/*
+ * The places of the surface that the pixels see; false where the picture has none. A cell is λN/6
+ * of the plane in focus: a sub-pixel of λN/4 has some two of them.
+ */
+static bool find_surface(const char *path, const mcv_exr *exr, const mcv_exr *laser,
+                         const mcv_speckle *speckle, mcv_surface_noise *surface) {
+    const mcv_attribute *text = mcv_exr_attribute(exr, MCV_CAMERA_MODEL_KEY);
+    mcv_camera_model model;
+    mcv_error ignored;
+    bool is_one = false;
+    *surface = (mcv_surface_noise){0};
+    for (uint32_t i = 1; i < laser->part_count; ++i) {
+        const mcv_image *image = &laser->parts[i].image;
+        if (strcmp(laser->parts[i].name, MCV_SURFACE_PART) == 0 && image->channels == 4 &&
+            image->width == exr->parts[0].image.width + 1 &&
+            image->height == exr->parts[0].image.height + 1)
+            surface->places = image;
+    }
+    if (!surface->places || !text || !text->text ||
+        mcv_camera_model_read(text->text, path, &model, &is_one, &ignored) != MCV_OK || !is_one)
+        return false;
+    surface->edge =
+        speckle->wavelength * speckle->f_number / 6 *
+        fmax(model.object_pixel[0] / model.pixel[0], model.object_pixel[1] / model.pixel[1]);
+    mcv_camera_model_free(&model);
+    return surface->edge > 0;
+}
+
 /* What the headers and settings say of the speckle. */
 static mcv_result describe(const mcv_camera_settings *settings, const char *path,
                            const mcv_exr *exr, const mcv_exr *laser, mcv_speckle *speckle,
@@ -140,6 +169,7 @@ mcv_result mcv_camera_add_speckle(const mcv_camera_settings *settings, const cha
     mcv_exr file = {0};
     const mcv_exr *picture = settings->speckle_light ? settings->speckle_light : &file;
     mcv_speckle speckle = {0};
+    mcv_surface_noise surface;
     double size[2];
     *contrast = 0;
     if (!settings->speckle) return MCV_OK;
@@ -148,6 +178,8 @@ mcv_result mcv_camera_add_speckle(const mcv_camera_settings *settings, const cha
     mcv_result result = check_light(&laser, path, exr, error);
     if (result == MCV_OK) result = describe(settings, path, exr, picture, &speckle, size, error);
     if (result == MCV_OK) result = check_grid(&laser, path, exr, &speckle, size, error);
+    if (result == MCV_OK && find_surface(path, exr, picture, &speckle, &surface))
+        speckle.surface = &surface;
     for (int i = 0; result == MCV_OK && i < 2; ++i) speckle.pitch[i] = size[i] / laser.q;
     if (result == MCV_OK) result = add_to_channels(&laser, &speckle, &exr->parts[0].image, error);
     mcv_exr_free(&file);

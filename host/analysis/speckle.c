@@ -77,6 +77,8 @@ static void transform(grid *g) {
 typedef struct speckle {
     const mcv_speckle *given;
     const float *laser;
+    uint32_t q;
+    uint16_t *counts;           /* of a surface's cells in each sub-pixel of the image, or NULL */
     size_t inner[2], before[2]; /* the image in sub-pixels, and the margin before it */
     grid grid;
     bool whole; /* the pupil is the full disc */
@@ -118,18 +120,47 @@ static const float *laser_at(const speckle *s, size_t column, size_t row) {
     return column < s->inner[0] && row < s->inner[1] ? s->laser + row * s->inner[0] + column : NULL;
 }
 
-/* What is done row by row. */
+/* The numbers of the surface's cells that a row of pixels sees, added up; in rows of pixels. */
+static void draw_surface_row(void *user, size_t row) {
+    speckle *s = user;
+    const size_t q = s->q;
+    memset(s->counts + row * q * s->inner[0], 0, q * s->inner[0] * sizeof *s->counts);
+    for (size_t j = 0; j < q; ++j)
+        memset(s->grid.values + 2 * ((s->before[1] + row * q + j) * s->grid.size[0] + s->before[0]),
+               0, 2 * s->inner[0] * sizeof(double));
+    for (size_t column = 0; column < s->inner[0] / q; ++column) {
+        const float *e = s->laser + row * q * s->inner[0] + column * q;
+        float lit = 0;
+        for (size_t j = 0; j < q; ++j)
+            for (size_t i = 0; i < q; ++i) lit = fmaxf(lit, e[j * s->inner[0] + i]);
+        if (!(lit > 0)) continue;
+        const size_t at = (s->before[1] + row * q) * s->grid.size[0] + s->before[0] + column * q;
+        const mcv_surface_sums sums = {.q = s->q,
+                                       .values = s->grid.values + 2 * at,
+                                       .stride = s->grid.size[0],
+                                       .counts = s->counts + (e - s->laser),
+                                       .count_stride = s->inner[0]};
+        mcv_surface_noise_add(s->given->surface, s->given->seed, s->pattern, (uint32_t)column,
+                              (uint32_t)row, &sums);
+    }
+}
+
+/* What is done row by row. √E times the mean of the surface's cells, or a number of the film. */
 static void draw_row(void *user, size_t row) {
     speckle *s = user;
     for (size_t column = 0; column < s->grid.size[0]; ++column) {
         const float *e = laser_at(s, column, row);
         double *value = s->grid.values + 2 * (row * s->grid.size[0] + column);
-        value[0] = value[1] = 0;
-        if (!e || !(*e > 0)) continue;
+        const uint16_t count = e && s->counts ? s->counts[e - s->laser] : 0;
+        if (!e || !(*e > 0)) {
+            value[0] = value[1] = 0;
+            continue;
+        }
+        const double scale = sqrt((double)*e / 2 / (count ? count : 1));
         mcv_noise noise = mcv_noise_begin(s->given->seed, s->pattern, (uint64_t)(e - s->laser));
         noise.key[1] = 2; /* apart from the noise of exposures and of the fixed pattern */
         for (int part = 0; part < 2; ++part)
-            value[part] = sqrt((double)*e / 2) * mcv_noise_normal(&noise);
+            value[part] = scale * (count ? value[part] : mcv_noise_normal(&noise));
     }
 }
 
@@ -225,6 +256,7 @@ static void take_mean(speckle *s) {
 
 static void add_pattern(speckle *s, double weight) {
     s->weight = weight;
+    if (s->counts) mcv_in_parallel(s->inner[1] / s->q, draw_surface_row, s);
     each_row(s, draw_row);
     transform(&s->grid);
     each_row(s, stop_row);
@@ -293,7 +325,9 @@ static bool open_grid(speckle *s) {
     s->grid.values = malloc(2 * count * sizeof(double));
     s->sums = calloc(count, sizeof(double));
     s->blurred = malloc(count * sizeof(double));
-    if (!s->grid.values || !s->sums || !s->blurred || !s->grid.roots[0] || !s->grid.roots[1])
+    if (s->given->surface) s->counts = malloc(s->inner[0] * s->inner[1] * sizeof *s->counts);
+    if (!s->grid.values || !s->sums || !s->blurred || !s->grid.roots[0] || !s->grid.roots[1] ||
+        (s->given->surface && !s->counts))
         return false;
     mcv_aperture_prepare(&s->given->aperture, false, &s->aperture);
     set_pupil(s, s->given->aperture.shape == MCV_APERTURE_DISC);
@@ -302,7 +336,8 @@ static bool open_grid(speckle *s) {
 
 mcv_result mcv_speckle_add(const mcv_speckle *given, const float *laser, uint32_t q, uint32_t width,
                            uint32_t height, float *light, mcv_error *error) {
-    speckle s = {.given = given, .laser = laser, .inner = {(size_t)width * q, (size_t)height * q}};
+    speckle s = {
+        .given = given, .laser = laser, .q = q, .inner = {(size_t)width * q, (size_t)height * q}};
     bool done = open_grid(&s);
     if (done) {
         add_patterns(&s);
@@ -313,6 +348,7 @@ mcv_result mcv_speckle_add(const mcv_speckle *given, const float *laser, uint32_
     free(s.grid.values);
     free(s.sums);
     free(s.blurred);
+    free(s.counts);
     for (int i = 0; i < 2; ++i) free(s.grid.roots[i]);
     if (done) return MCV_OK;
     return mcv_fail(error, MCV_FAILED,

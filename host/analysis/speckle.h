@@ -6,7 +6,8 @@
  *
  *     U = F⁻¹(P · F(√E n))    I = Σ w |U|² / ∫|h|²    Σ w = 1
  *
- * where P is the pupil, 1 within the frequency 1/(2λN) where the aperture is open, and h = F⁻¹ P.
+ * The numbers n belong to the surface where it is known, and to the film's sub-pixels elsewhere.
+ * P is the pupil, 1 within the frequency 1/(2λN) where the aperture is open, and h = F⁻¹ P.
  * So grains are as large as the lens's diffraction at the working f-number N makes them. The mean
  * of I is E blurred by diffraction. Each w is a pattern of its own: two polarisations have (1 ±
  * p)/2, and M patterns that other causes make have contrast 1/√M.
@@ -14,6 +15,7 @@
 #ifndef MCVISI_HOST_ANALYSIS_SPECKLE_H
 #define MCVISI_HOST_ANALYSIS_SPECKLE_H
 
+#include "analysis/surface_noise.h"
 #include "scene/aperture.h"
 
 typedef struct mcv_speckle {
@@ -25,6 +27,7 @@ typedef struct mcv_speckle {
     double polarization;         /* degree of polarisation of the scattered light: 0 … 1 */
     double patterns;             /* M >= 1 */
     uint32_t seed;
+    const mcv_surface_noise *surface; /* with which n moves: of width x height pixels; or NULL */
 } mcv_speckle;
 
 /* Sub-pixels across a pixel of this size [m] that resolve the grains: 4 p/(λN), rounded up. */

@@ -218,6 +218,7 @@ mcv_result mcv_rendering_changes(mcv_rendering *r, const mcv_rig *rig, const mcv
     r->rendered.set.count = changes.count + command->set.count;
     r->rendered.hash = rig->hash;
     r->rendered.replicates = command->parts != 0;
+    r->rendered.subpixels = command->lasers;
     return MCV_OK;
 }
 

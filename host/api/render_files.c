@@ -232,8 +232,10 @@ static mcv_result render_sensor(files_call *c, mcv_scene *scene, mcv_render_opti
     mcv_result result = keep_finished(c, scene, sensor, &files, &saves, &done, error);
     if (result == MCV_OK && !done)
         result = render_planned(c, scene, &options, sensor, &files, &done, error);
-    r->rendered = (mcv_rendered){
-        .set = r->rendered.set, .hash = r->rendered.hash, .replicates = r->rendered.replicates};
+    r->rendered = (mcv_rendered){.set = r->rendered.set,
+                                 .hash = r->rendered.hash,
+                                 .replicates = r->rendered.replicates,
+                                 .subpixels = r->rendered.subpixels};
     r->saves = NULL;
     mcv_saves_end(&saves, done);
     return result;

@@ -6,6 +6,7 @@
 #include "core/basics.h"
 #include "scene/sensor_find.h"
 #include "scene/sensors.h"
+#include "verbs/surface_part.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -19,6 +20,7 @@ typedef struct work {
     mcv_scene *still, *moving; /* as headers tell it; and where the head is */
     mcv_sensor whole[2];       /* their sensors, of the whole film */
     uint32_t sensor;
+    ref_geometry geometry; /* of the parts, which stand still, for their speckle */
     mcv_scan scan;
 } work;
 
@@ -127,6 +129,9 @@ static mcv_result render_light(work *w, const view *v, mcv_exr *light, mcv_exr *
                              .set = w->rendering->rendered.set,
                              .hash = w->rig->hash};
     if (result == MCV_OK) result = mcv_rendered_develop(&rendered, laser, error);
+    if (result == MCV_OK && w->geometry.scene)
+        result = mcv_surface_part_add(&w->geometry, w->moving->sensors + w->sensor, v->subpixels,
+                                      laser, error);
     rendered.scene = w->still;
     rendered.film = &film;
     if (result == MCV_OK) result = mcv_rendered_develop(&rendered, light, error);
@@ -196,9 +201,12 @@ static mcv_result run(work *w, mcv_picture **picture, char **report, mcv_error *
     }
     snprintf(w->rendering->sensor, sizeof w->rendering->sensor, "%s", w->whole[0].name);
     mcv_result result = mcv_scan_begin(w->command, w->still, w->sensor, &w->scan, error);
+    if (result == MCV_OK && !w->command->scan_speckle)
+        result = ref_geometry_new(w->moving, &w->geometry, error);
     if (result == MCV_OK) result = scan_all(w, error);
     if (result == MCV_OK) result = tell(w, report, error);
     if (result == MCV_OK) result = mcv_profiles_picture(w->scan.profiles, picture, error);
+    if (w->geometry.scene) ref_geometry_free(&w->geometry);
     mcv_scan_free(&w->scan);
     return result;
 }

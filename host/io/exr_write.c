@@ -67,12 +67,20 @@ static exr_result_t put_attribute(exr_context_t context, const mcv_attribute *a)
                   : exr_attr_set_m44d(context, 0, a->name, &m44d);
 }
 
-static exr_result_t put_part(exr_context_t context, const mcv_exr_part *part) {
+static exr_attr_box2i_t window_of(const mcv_image *image) {
+    return (exr_attr_box2i_t){.max.x = (int32_t)image->width - 1,
+                              .max.y = (int32_t)image->height - 1};
+}
+
+/* `first`: part 0, whose window is what all parts are shown in: the library wants them alike. */
+static exr_result_t put_part(exr_context_t context, const mcv_exr_part *first,
+                             const mcv_exr_part *part) {
+    const exr_attr_box2i_t shown = window_of(&first->image), own = window_of(&part->image);
+    const exr_attr_v2f_t centre = {.x = 0, .y = 0};
     int index;
     MCV_TRY_EXR(exr_add_part(context, part->name, EXR_STORAGE_SCANLINE, &index));
-    MCV_TRY_EXR(exr_initialize_required_attr_simple(context, index, (int32_t)part->image.width,
-                                                    (int32_t)part->image.height,
-                                                    EXR_COMPRESSION_ZIP));
+    MCV_TRY_EXR(exr_initialize_required_attr(context, index, &shown, &own, 1, &centre, 1,
+                                             EXR_LINEORDER_INCREASING_Y, EXR_COMPRESSION_ZIP));
     for (uint32_t c = 0; c < part->image.channels; ++c) {
         MCV_TRY_EXR(exr_add_channel(context, index, mcv_exr_channel_name(part, c), EXR_PIXEL_FLOAT,
                                     EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1));
@@ -126,7 +134,7 @@ static exr_result_t encode_part(exr_context_t context, int index, const mcv_exr_
 
 static exr_result_t encode(exr_context_t context, const mcv_exr_part *parts, uint32_t part_count,
                            const mcv_attribute *attributes, uint32_t attribute_count) {
-    for (uint32_t p = 0; p < part_count; ++p) MCV_TRY_EXR(put_part(context, &parts[p]));
+    for (uint32_t p = 0; p < part_count; ++p) MCV_TRY_EXR(put_part(context, parts, &parts[p]));
     for (uint32_t a = 0; a < attribute_count; ++a)
         MCV_TRY_EXR(put_attribute(context, &attributes[a]));
     MCV_TRY_EXR(exr_write_header(context));

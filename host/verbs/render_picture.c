@@ -8,6 +8,7 @@
 #include "scene/camera_model.h"
 #include "scene/laser.h"
 #include "scene/sensor_find.h"
+#include "verbs/surface_part.h"
 
 #include <inttypes.h>
 #include <stdio.h>
@@ -64,6 +65,7 @@ mcv_result mcv_film_parts(const mcv_film *film, bool replicates, mcv_exr *exr, m
 
 static mcv_result add_parts(const mcv_rendered *r, mcv_exr *exr, mcv_error *error) {
     MCV_TRY(mcv_film_parts(r->film, r->replicates, exr, error));
+    if (r->subpixels) MCV_TRY(mcv_surface_part_of(r->scene, r->sensor, r->subpixels, exr, error));
     return mcv_header_describe(r->scene, r->sensor, &exr->parts[0].image, error);
 }
 

@@ -31,6 +31,7 @@ typedef struct mcv_rendered {
     const mcv_render_stats *stats;
     mcv_overrides set;              /* what of the scene is not as its document says */
     uint64_t hash;                  /* FNV-1a of the document */
+    uint32_t subpixels;             /* of --lasers: then a part with what surfaces they see; or 0 */
     bool replicates;                /* a part with the means of each */
     char identity[MCV_RENDER_HASH]; /* of mcv_checkpoint_hash, or "" */
 } mcv_rendered;
