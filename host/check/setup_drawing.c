@@ -106,6 +106,30 @@ static bool is_named(const mcv_scene *scene, uint32_t instance) {
     return larger < LABELS;
 }
 
+/* Opens a drawing as a figure on a page. */
+static void open_figure(const mcv_drawing *c, double height, double stretch) {
+    const char *from = c->from_above ? "above" : "the side";
+    fprintf(c->out, "<figure><figcaption>From %s%s", from, stretch > 1 ? "" : ", true to scale");
+    if (stretch > 1) fprintf(c->out, ", heights %g times larger than depths", stretch);
+    fprintf(c->out,
+            "</figcaption>\n<svg viewBox=\"0 0 %d %.0f\" role=\"img\" aria-label=\"The set-up from "
+            "%s\">\n",
+            WIDTH, height, from);
+}
+
+/* Opens it as a file of its own. */
+static void open_file(const mcv_drawing *c, double height, double stretch) {
+    fprintf(c->out,
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"%d\" height=\"%.0f\" "
+            "viewBox=\"0 0 %d %.0f\">\n<desc>The set-up from %s%s",
+            WIDTH, height, WIDTH, height, c->from_above ? "above" : "the side",
+            stretch > 1 ? "" : ", true to scale");
+    if (stretch > 1) fprintf(c->out, ", heights %g times larger than depths", stretch);
+    fputs("</desc>\n", c->out);
+    mcv_put_drawing_style(c->out);
+    fputs("<rect width=\"100%\" height=\"100%\" fill=\"#fff\"/>\n", c->out);
+}
+
 bool mcv_put_drawing(mcv_drawing *c) {
     double parts[2], stretch;
     if (!frame(c, parts)) return false;
@@ -133,13 +157,7 @@ bool mcv_put_drawing(mcv_drawing *c) {
     c->out = page;
     const double width = c->scale[0] * (c->depth[1] - c->depth[0]),
                  height = c->bottom + 20 + MCV_DRAWING_ROW * c->rows;
-    fprintf(page, "<figure><figcaption>From %s%s", c->from_above ? "above" : "the side",
-            stretch > 1 ? "" : ", true to scale");
-    if (stretch > 1) fprintf(page, ", heights %g times larger than depths", stretch);
-    fprintf(page,
-            "</figcaption>\n<svg viewBox=\"0 0 %d %.0f\" role=\"img\" aria-label=\"The set-up from "
-            "%s\">\n",
-            WIDTH, height, c->from_above ? "above" : "the side");
+    (c->alone ? open_file : open_figure)(c, height, stretch);
     fprintf(page,
             "<clipPath id=\"frame%d\"><rect x=\"%.1f\" y=\"%d\" width=\"%.1f\" "
             "height=\"%.1f\"/></clipPath>\n",
@@ -147,7 +165,7 @@ bool mcv_put_drawing(mcv_drawing *c) {
     fprintf(page, "<rect class=\"ground\" x=\"%.1f\" y=\"%d\" width=\"%.1f\" height=\"%.1f\"/>\n",
             c->left, MCV_DRAWING_TOP, width, c->bottom - MCV_DRAWING_TOP);
     fputs(body ? body : "", page);
-    fputs("</svg></figure>\n", page);
+    fputs(c->alone ? "</svg>\n" : "</svg></figure>\n", page);
     free(body);
     return true;
 }

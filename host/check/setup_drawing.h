@@ -27,6 +27,7 @@ struct mcv_drawing {
     const mcv_scene *scene;
     const mcv_view *view;
     bool from_above;
+    bool alone;      /* a file of its own instead of a figure on a page */
     double film[2];  /* of the view, along the drawing's height */
     double focus;    /* depth of the plane in focus, or NaN */
     double film_at;  /* depth of the film [m], negative */
@@ -61,6 +62,10 @@ static inline mcv_drawing_point mcv_drawing_project(const mcv_drawing *c, const 
 /* setup_drawing.c */
 
 bool mcv_put_drawing(mcv_drawing *c);
+
+/* setup_style.c: the style of a drawing that is a file of its own. Colours stand in it as they are
+ * on a light page: few programs beside browsers know variables of CSS. */
+void mcv_put_drawing_style(FILE *out);
 
 /* setup_outline.c */
 

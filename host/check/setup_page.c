@@ -46,20 +46,17 @@ static void put_numbers(FILE *out, const mcv_view *view) {
     fputs("</table>\n", out);
 }
 
-bool mcv_setup_put_view(FILE *out, const mcv_scene *scene, uint32_t index, bool above,
-                        mcv_drawing_overlay *overlay, void *user) {
+/* Puts a drawing, of which its way out and its overlay are given. */
+static bool put_view(mcv_drawing c, const mcv_scene *scene, uint32_t index, bool above) {
     const mcv_sensor *sensor = scene->sensors + index;
     const mcv_view view = mcv_view_of(sensor);
     if (isnan(view.film[0][0])) return true;
     const int axis = above ? 0 : 1;
-    mcv_drawing c = {.out = out,
-                     .scene = scene,
-                     .view = &view,
-                     .from_above = above,
-                     .focus = view.optics.focused_depth,
-                     .number = (int)(2 * index) + above,
-                     .overlay = overlay,
-                     .user = user};
+    c.scene = scene;
+    c.view = &view;
+    c.from_above = above;
+    c.focus = view.optics.focused_depth;
+    c.number = (int)(2 * index) + above;
     c.film[0] = above ? -view.film[axis][1] : view.film[axis][0];
     c.film[1] = above ? -view.film[axis][0] : view.film[axis][1];
     switch (sensor->type) {
@@ -78,6 +75,22 @@ bool mcv_setup_put_view(FILE *out, const mcv_scene *scene, uint32_t index, bool 
     c.lens = sensor->type == MCV_SENSOR_LIGHT_FIELD ? sensor->as.light_field.lensDiameter / 2
                                                     : mcv_lens_radius(sensor);
     return mcv_put_drawing(&c);
+}
+
+bool mcv_setup_put_view(FILE *out, const mcv_scene *scene, uint32_t sensor, bool from_above,
+                        mcv_drawing_overlay *overlay, void *user) {
+    const mcv_drawing c = {.out = out, .overlay = overlay, .user = user};
+    return put_view(c, scene, sensor, from_above);
+}
+
+bool mcv_setup_put_file(FILE *out, const mcv_scene *scene, uint32_t sensor,
+                        mcv_drawing_overlay *overlay, void *user) {
+    const mcv_drawing c = {.out = out, .alone = true, .overlay = overlay, .user = user};
+    return put_view(c, scene, sensor, false);
+}
+
+bool mcv_setup_is_known(const mcv_scene *scene, uint32_t sensor) {
+    return !isnan(mcv_view_of(scene->sensors + sensor).film[0][0]);
 }
 
 static bool put_sensor(FILE *out, const mcv_scene *scene, uint32_t index) {

@@ -22,4 +22,11 @@ mcv_result mcv_setup_page_write(const char *path, const mcv_scene *scene,
 bool mcv_setup_put_view(FILE *out, const mcv_scene *scene, uint32_t sensor, bool from_above,
                         mcv_drawing_overlay *overlay, void *user);
 
+/* The same from the side as a file of its own, SVG. */
+bool mcv_setup_put_file(FILE *out, const mcv_scene *scene, uint32_t sensor,
+                        mcv_drawing_overlay *overlay, void *user);
+
+/* Whether the sensor's optics are known, so that its set-up can be drawn. */
+bool mcv_setup_is_known(const mcv_scene *scene, uint32_t sensor);
+
 #endif

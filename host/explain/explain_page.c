@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The page of an explained pixel: its routes, and their strongest paths in the set-up's drawings.
- */
+/* The page and the drawing of an explained pixel: its routes, and their strongest paths in the
+ * set-up. */
 #include "explain/routes.h"
 
 #include <stdio.h>
@@ -91,4 +91,15 @@ mcv_result mcv_explain_page_write(const char *path, const mcv_scene *scene, uint
                                   mcv_error *error) {
     page p = {scene, sensor, pixel, {routes, routes->count < shown ? routes->count : shown}};
     return mcv_html_write(path, put_page, &p, error);
+}
+
+static bool put_file(FILE *out, void *user) {
+    page *p = user;
+    return mcv_setup_put_file(out, p->scene, p->sensor, put_paths, &p->drawn);
+}
+
+mcv_result mcv_explain_drawing_write(const char *path, const mcv_scene *scene, uint32_t sensor,
+                                     const mcv_routes *routes, size_t shown, mcv_error *error) {
+    page p = {scene, sensor, NULL, {routes, routes->count < shown ? routes->count : shown}};
+    return mcv_html_write(path, put_file, &p, error);
 }

@@ -70,8 +70,38 @@ static bool make_room(mcv_routes *r) {
     return r->slots;
 }
 
-/* The sums of the contribution's route; NULL without memory. */
-static double *find_sums(mcv_routes *r, const mcv_contribution *c) {
+/* Adds light to a pixel's sum. Where all places are taken, the faintest pixel leaves its own, and
+ * its sum stays as a doubt: pixels that bring more than one of MCV_ROUTE_PIXELS parts are found
+ * (space saving: Metwally, Agrawal, El Abbadi, Efficient computation of frequent and top-k elements
+ * in data streams, ICDT 2005). */
+static void add_pixel(mcv_route *route, const mcv_contribution *c) {
+    mcv_route_pixel *to = route->pixels;
+    if (!c->has_pixel) return;
+    for (int i = 0; i < MCV_ROUTE_PIXELS; ++i) {
+        mcv_route_pixel *at = route->pixels + i;
+        if (at->sum > 0 && at->pixel[0] == c->pixel[0] && at->pixel[1] == c->pixel[1]) {
+            at->sum += brightness(c);
+            return;
+        }
+        if (at->sum < to->sum) to = at;
+    }
+    to->doubtful = to->sum;
+    to->sum += brightness(c);
+    memcpy(to->pixel, c->pixel, sizeof to->pixel);
+}
+
+const mcv_route_pixel *mcv_route_brightest(const mcv_route *route, double *share) {
+    const mcv_route_pixel *best = route->pixels;
+    double all = 0;
+    for (int i = 1; i < MCV_ROUTE_PIXELS; ++i)
+        if (route->pixels[i].sum > best->sum) best = route->pixels + i;
+    for (int r = 0; r < MCV_ROUTE_REPLICATES; ++r) all += route->sums[r];
+    *share = (best->sum - best->doubtful) / all;
+    return best->sum > 0 ? best : NULL;
+}
+
+/* The contribution's route; NULL without memory. */
+static mcv_route *find_route(mcv_routes *r, const mcv_contribution *c) {
     const uint64_t hash = hash_of(c);
     const size_t mask = 2 * MCV_MOST_ROUTES - 1;
     if (!make_room(r)) return NULL;
@@ -80,21 +110,21 @@ static double *find_sums(mcv_routes *r, const mcv_contribution *c) {
         mcv_route *route = r->items + r->slots[slot] - 1;
         if (route->hash != hash || !same_route(&route->strongest, c)) continue;
         if (brightness(c) > brightness(&route->strongest)) route->strongest = *c;
-        return route->sums;
+        return route;
     }
-    if (r->count == MCV_MOST_ROUTES) return r->others;
+    if (r->count == MCV_MOST_ROUTES) return &r->others;
     r->items[r->count] = (mcv_route){.strongest = *c, .hash = hash};
     r->slots[slot] = (uint32_t)++r->count;
-    return r->items[r->count - 1].sums;
+    return r->items + r->count - 1;
 }
 
 void mcv_routes_add(void *user, const mcv_contribution *contribution) {
     mcv_routes *r = user;
-    double *sums = find_sums(r, contribution);
-    if (sums)
-        sums[contribution->replicate] += brightness(contribution);
-    else
-        r->failed = true;
+    mcv_route *route = find_route(r, contribution);
+    r->failed = r->failed || !route;
+    if (!route) return;
+    route->sums[contribution->replicate] += brightness(contribution);
+    add_pixel(route, contribution);
 }
 
 static int by_value(const void *a, const void *b) {
@@ -118,8 +148,8 @@ mcv_result mcv_routes_finish(mcv_routes *routes, uint64_t samples, mcv_error *er
     double whole[MCV_ROUTE_REPLICATES] = {0};
     if (routes->failed) return mcv_fail(error, MCV_FAILED, "no memory for the routes of a pixel");
     for (int r = 0; r < MCV_ROUTE_REPLICATES; ++r) {
-        whole[r] = routes->others[r];
-        routes->others_value += routes->others[r] / ((double)samples * MCV_ROUTE_REPLICATES);
+        whole[r] = routes->others.sums[r];
+        routes->others_value += routes->others.sums[r] / ((double)samples * MCV_ROUTE_REPLICATES);
     }
     routes->value = routes->others_value;
     for (size_t i = 0; i < routes->count; ++i) {

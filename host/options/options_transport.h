@@ -44,6 +44,8 @@
     X(count, routes, "routes", 0, "N", MCV_IN_EXPLAIN, "10", 1, 1000, \
       "tell of the N routes that bring the most") \
     X(text, explained, "html", 0, "F.html", MCV_IN_EXPLAIN, NULL, 0, 0, \
-      "also write a page with the routes, and their strongest paths drawn in the set-up")
+      "also write a page with the routes, and their strongest paths drawn in the set-up") \
+    X(text, explained_svg, "svg", 0, "F.svg", MCV_IN_EXPLAIN, NULL, 0, 0, \
+      "also draw the strongest path of each route in the set-up, from the side")
 
 #endif

@@ -118,53 +118,85 @@ static uint32_t part(double share, uint32_t count) {
     return (uint32_t)fmin(fmax(floor(share * count), 0), count - 1.0);
 }
 
-/*
- * Multiplies the radiance by the image's value for a place on a rectangle and a direction, in the
- * axes of the rectangle's node: shares of the width from the left edge, of the height from the
- * upper one.
- */
+/* The axes and the centre of the emitter's rectangle. */
+typedef struct rectangle {
+    ref_vec x, y, z, place; /* place: from the centre */
+} rectangle;
+
+static rectangle rectangle_of(const mcv_scene *scene, const mcv_emitter *emitter,
+                              const ref_surface *surface) {
+    const double *m = scene->instances[emitter->instance].to_world.m;
+    return (rectangle){{m[0], m[3], m[6]},
+                       {m[1], m[4], m[7]},
+                       {m[2], m[5], m[8]},
+                       ref_sub(surface->position, (ref_vec){m[9], m[10], m[11]})};
+}
+
+static bool shows_image(const mcv_emitter *emitter) {
+    return emitter->type == MCV_EMITTER_TELECENTRIC_PROJECTOR ||
+           emitter->type == MCV_EMITTER_LIGHT_FIELD_EMITTER ||
+           emitter->type == MCV_EMITTER_PROJECTOR;
+}
+
+static bool projector_pixel(const mcv_projector_params *p, const mcv_texture *image,
+                            const rectangle *r, ref_vec direction, uint32_t pixel[2]) {
+    const double ahead = -ref_dot(direction, r->z), o_x = ref_dot(r->place, r->x),
+                 o_y = ref_dot(r->place, r->y), b = p->imageDistance,
+                 reciprocal_throw = 1 / p->focalLength - 1 / b;
+    const double right = b / p->pixelSize[0] *
+                         (ref_dot(direction, r->x) / ahead + reciprocal_throw * o_x) *
+                         (p->mirror ? -1 : 1);
+    const bool pattern = p->pattern.type != MCV_NONE; /* whose image is a line of it */
+    const double columns = pattern ? p->pattern.resolution[0] : image->width,
+                 rows = pattern ? p->pattern.resolution[1] : image->height;
+    const double column = columns / 2 + right;
+    const double row = rows / 2 - b / p->pixelSize[1] *
+                                      (ref_dot(direction, r->y) / ahead + reciprocal_throw * o_y);
+    pixel[0] = part(column / columns, image->width);
+    pixel[1] = part(row / rows, image->height);
+    return hypot(o_x, o_y) <= p->lensDiameter / 2 && ahead > 0 && column >= 0 && column < columns &&
+           row >= 0 && row < rows;
+}
+
+static bool light_field_pixel(const mcv_light_field_emitter_params *p, const rectangle *r,
+                              ref_vec direction, uint32_t pixel[2]) {
+    const uint32_t *macro = p->spatialResolution, *angular = p->angularResolution;
+    const double right = ref_dot(direction, r->x) / p->angularRange,
+                 up = ref_dot(direction, r->y) / p->angularRange;
+    pixel[0] = part(0.5 + ref_dot(r->place, r->x) / p->size[0], macro[0]) * angular[0] +
+               part((right + 1) / 2, angular[0]);
+    pixel[1] = part(0.5 - ref_dot(r->place, r->y) / p->size[1], macro[1]) * angular[1] +
+               part((1 - up) / 2, angular[1]);
+    return fabs(right) <= 1 && fabs(up) <= 1;
+}
+
+bool ref_emitting_pixel(const mcv_scene *scene, const ref_surface *surface, ref_vec direction,
+                        uint32_t pixel[2]) {
+    const mcv_emitter *emitter = &scene->emitters[scene->instances[surface->instance].emitter];
+    if (emitter->texture == MCV_NONE) return false;
+    const mcv_texture *image = &scene->textures[emitter->texture];
+    const rectangle r = rectangle_of(scene, emitter, surface);
+    if (emitter->type == MCV_EMITTER_PROJECTOR)
+        return projector_pixel(&emitter->as.projector, image, &r, direction, pixel);
+    if (emitter->type == MCV_EMITTER_LIGHT_FIELD_EMITTER)
+        return light_field_pixel(&emitter->as.light_field_emitter, &r, direction, pixel);
+    if (emitter->type != MCV_EMITTER_TELECENTRIC_PROJECTOR)
+        return ref_nearest_texel(image, surface->texcoord, pixel);
+    const mcv_telecentric_projector_params *p = &emitter->as.telecentric_projector;
+    const double right = ref_dot(r.place, r.x) / p->size[0] * (p->mirror ? -1 : 1),
+                 up = ref_dot(r.place, r.y) / p->size[1];
+    pixel[0] = part(0.5 + right, image->width);
+    pixel[1] = part(0.5 - up, image->height);
+    return true;
+}
+
+/* Multiplies the radiance by the value of the image's pixel that emits in the direction. */
 static void show_image(const mcv_scene *scene, const mcv_emitter *emitter,
                        const ref_surface *surface, ref_vec direction, double radiance[3]) {
-    const double *m = scene->instances[emitter->instance].to_world.m;
-    const ref_vec x = {m[0], m[3], m[6]}, y = {m[1], m[4], m[7]}, centre = {m[9], m[10], m[11]};
-    const ref_vec place = ref_sub(surface->position, centre);
-    const mcv_texture *image = &scene->textures[emitter->texture];
     double rgb[3] = {0, 0, 0};
-    if (emitter->type == MCV_EMITTER_TELECENTRIC_PROJECTOR) {
-        const mcv_telecentric_projector_params *p = &emitter->as.telecentric_projector;
-        const double right = ref_dot(place, x) / p->size[0] * (p->mirror ? -1 : 1),
-                     up = ref_dot(place, y) / p->size[1];
-        ref_texel(image, part(0.5 + right, image->width), part(0.5 - up, image->height), rgb);
-    } else if (emitter->type == MCV_EMITTER_PROJECTOR) {
-        const mcv_projector_params *p = &emitter->as.projector;
-        const double ahead = -ref_dot(direction, (ref_vec){m[2], m[5], m[8]}),
-                     o_x = ref_dot(place, x), o_y = ref_dot(place, y);
-        const double reciprocal_throw = 1 / p->focalLength - 1 / p->imageDistance,
-                     b = p->imageDistance;
-        const double right = b / p->pixelSize[0] *
-                             (ref_dot(direction, x) / ahead + reciprocal_throw * o_x) *
-                             (p->mirror ? -1 : 1);
-        const bool pattern = p->pattern.type != MCV_NONE; /* whose image is a line of it */
-        const double columns = pattern ? p->pattern.resolution[0] : image->width,
-                     rows = pattern ? p->pattern.resolution[1] : image->height;
-        const double column = columns / 2 + right;
-        const double row = rows / 2 - b / p->pixelSize[1] *
-                                          (ref_dot(direction, y) / ahead + reciprocal_throw * o_y);
-        const bool through = hypot(o_x, o_y) <= p->lensDiameter / 2 && ahead > 0;
-        if (through && column >= 0 && column < columns && row >= 0 && row < rows)
-            ref_texel(image, part(column / columns, image->width), part(row / rows, image->height),
-                      rgb);
-    } else {
-        const mcv_light_field_emitter_params *p = &emitter->as.light_field_emitter;
-        const uint32_t *macro = p->spatialResolution, *angular = p->angularResolution;
-        const double right = ref_dot(direction, x) / p->angularRange,
-                     up = ref_dot(direction, y) / p->angularRange;
-        const uint32_t column = part(0.5 + ref_dot(place, x) / p->size[0], macro[0]) * angular[0] +
-                                part((right + 1) / 2, angular[0]);
-        const uint32_t row = part(0.5 - ref_dot(place, y) / p->size[1], macro[1]) * angular[1] +
-                             part((1 - up) / 2, angular[1]);
-        if (fabs(right) <= 1 && fabs(up) <= 1) ref_texel(image, column, row, rgb);
-    }
+    uint32_t pixel[2];
+    if (ref_emitting_pixel(scene, surface, direction, pixel))
+        ref_texel(&scene->textures[emitter->texture], pixel[0], pixel[1], rgb);
     for (int channel = 0; channel < 3; ++channel) radiance[channel] *= rgb[channel];
 }
 
@@ -214,9 +246,7 @@ void ref_emitted(const mcv_scene *scene, const ref_surface *surface, ref_vec dir
     const double share = share_at(emitter, ref_angle(direction, surface->normal));
     if (share == 0) return;
     if (emitter->type == MCV_EMITTER_SCREEN && !in_pixel(scene, emitter, surface)) return;
-    const bool shows = emitter->type == MCV_EMITTER_TELECENTRIC_PROJECTOR ||
-                       emitter->type == MCV_EMITTER_LIGHT_FIELD_EMITTER ||
-                       emitter->type == MCV_EMITTER_PROJECTOR;
+    const bool shows = shows_image(emitter);
     ref_texture_lookup(scene, shows ? MCV_NONE : emitter->texture, surface->texcoord, radiance);
     for (int channel = 0; channel < 3; ++channel)
         radiance[channel] *= share * emitter->radiance[channel];

@@ -35,6 +35,11 @@ void ref_environment(const mcv_scene *scene, const ref_emitters *emitters, ref_v
 void ref_emitted(const mcv_scene *scene, const ref_surface *surface, ref_vec direction,
                  double radiance[3]);
 
+/* Column and row of the pixel of an emitter's image that sends light from there in the unit
+ * direction; false where none does, or where values between pixels are interpolated. */
+bool ref_emitting_pixel(const mcv_scene *scene, const ref_surface *surface, ref_vec direction,
+                        uint32_t pixel[2]);
+
 /*
  * A direction from the point towards the emitter. An emitter whose normals agree and whose cone is
  * narrow, as seen from the point, is sampled as a cone of directions, anything else as a point by

@@ -33,7 +33,9 @@ typedef struct mcv_contribution {
     uint32_t emitter; /* index in the scene */
     double from[3];   /* where it sends the light; of a far one, the direction to it */
     bool is_far;
-    double value[3]; /* that the pixel gets */
+    bool has_pixel;    /* whether a pixel of the emitter's image sends the light: */
+    uint32_t pixel[2]; /* column, row */
+    double value[3];   /* that the pixel gets */
 } mcv_contribution;
 
 typedef void mcv_contribution_told(void *user, const mcv_contribution *contribution);

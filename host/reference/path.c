@@ -44,8 +44,7 @@ static void add_emission(const ref_world *world, const ref_path *p, const ref_su
                            pow(ref_media_ior(filling, channel), 2);
         radiance[channel] += emitted[channel];
     }
-    ref_trail_light(p->trail, world->scene->instances[surface->instance].emitter, surface->position,
-                    false, emitted);
+    ref_trail_emission(p->trail, world->scene, surface, ref_scale(-1, p->direction), emitted);
 }
 
 /* Adds the sky that the path sees. */

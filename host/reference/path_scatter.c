@@ -80,7 +80,7 @@ static void add_direct(const ref_world *world, const ref_path *p, const ref_emit
             p->throughput[channel] * value[channel] * emitted[channel] * absorption * scale;
         radiance[channel] += emitted[channel];
     }
-    ref_trail_light(p->trail, emitter->index, source.position, false, emitted);
+    ref_trail_emission(p->trail, world->scene, &source, ref_scale(-1, direction), emitted);
 }
 
 /* Adds the light of one beam or light without extent at a surface that spreads it. */

@@ -24,18 +24,35 @@ void ref_texel(const mcv_texture *texture, uint32_t column, uint32_t row, double
                                        : decode(texture->rgba[4 * number + (size_t)channel]);
 }
 
-void ref_texture_lookup(const mcv_scene *scene, uint32_t texture, const double texcoord[2][2],
-                        double rgb[3]) {
-    rgb[0] = rgb[1] = rgb[2] = 1;
-    if (texture == MCV_NONE) return;
-    const mcv_texture *t = &scene->textures[texture];
+/* Where coordinates lie on a texture, in texels. */
+static void place_of(const mcv_texture *t, const double texcoord[2][2], double place[2]) {
     const double *at = texcoord[t->texcoord_set], *m = t->transform;
     double across = at[0], down = at[1];
     if (t->is_transformed) {
         across = m[0] * at[0] + m[1] * at[1] + m[2];
         down = m[3] * at[0] + m[4] * at[1] + m[5];
     }
-    const double u = across * t->width, v = down * t->height;
+    place[0] = across * t->width;
+    place[1] = down * t->height;
+}
+
+bool ref_nearest_texel(const mcv_texture *texture, const double texcoord[2][2], uint32_t texel[2]) {
+    double place[2];
+    if (!texture->nearest) return false;
+    place_of(texture, texcoord, place);
+    texel[0] = wrap(floor(place[0]), texture->width, texture->wrap_s);
+    texel[1] = wrap(floor(place[1]), texture->height, texture->wrap_t);
+    return true;
+}
+
+void ref_texture_lookup(const mcv_scene *scene, uint32_t texture, const double texcoord[2][2],
+                        double rgb[3]) {
+    rgb[0] = rgb[1] = rgb[2] = 1;
+    if (texture == MCV_NONE) return;
+    const mcv_texture *t = &scene->textures[texture];
+    double place[2];
+    place_of(t, texcoord, place);
+    const double u = place[0], v = place[1];
     double left = floor(u), top = floor(v), right_share = 0, bottom_share = 0;
     if (!t->nearest) { /* between the centres of texels */
         left = floor(u - 0.5);

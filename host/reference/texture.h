@@ -12,6 +12,9 @@
 void ref_texture_lookup(const mcv_scene *scene, uint32_t texture, const double texcoord[2][2],
                         double rgb[3]);
 
+/* The texel there, column and row, of a texture without interpolation; false for others. */
+bool ref_nearest_texel(const mcv_texture *texture, const double texcoord[2][2], uint32_t texel[2]);
+
 /* Linear R, G, B of one texel. */
 void ref_texel(const mcv_texture *texture, uint32_t column, uint32_t row, double rgb[3]);
 

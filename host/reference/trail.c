@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "reference/trail.h"
 
+#include "reference/emission.h"
+
 static void put(double to[3], ref_vec v) {
     to[0] = v.x;
     to[1] = v.y;
@@ -34,6 +36,16 @@ void ref_trail_leave(ref_trail *trail, const ref_surface *surface, ref_vec befor
         straight  ? MCV_WAY_PASSES
         : crosses ? MCV_WAY_REFRACTS
                   : MCV_WAY_REFLECTS;
+}
+
+void ref_trail_emission(ref_trail *trail, const mcv_scene *scene, const ref_surface *surface,
+                        ref_vec direction, const double light[3]) {
+    if (!trail) return;
+    trail->contribution.has_pixel =
+        ref_emitting_pixel(scene, surface, direction, trail->contribution.pixel);
+    ref_trail_light(trail, scene->instances[surface->instance].emitter, surface->position, false,
+                    light);
+    trail->contribution.has_pixel = false;
 }
 
 void ref_trail_light(ref_trail *trail, uint32_t emitter, ref_vec from, bool is_far,

@@ -21,6 +21,10 @@ void ref_trail_meet(ref_trail *trail, const ref_surface *surface);
 void ref_trail_leave(ref_trail *trail, const ref_surface *surface, ref_vec before, ref_vec after,
                      bool scatters);
 
+/* It finds light that an emitter's surface sends in the unit direction. */
+void ref_trail_emission(ref_trail *trail, const mcv_scene *scene, const ref_surface *surface,
+                        ref_vec direction, const double light[3]);
+
 /* It finds light of the emitter from a point, or of a far one from a direction. */
 void ref_trail_light(ref_trail *trail, uint32_t emitter, ref_vec from, bool is_far,
                      const double light[3]);

@@ -5,6 +5,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "check/setup_page.h"
+#include "core/basics.h"
 #include "core/output_file.h"
 #include "explain/routes.h"
 #include "scene/params.h"
@@ -50,6 +52,35 @@ static void report_path(const mcv_scene *scene, const mcv_contribution *c, mcv_r
     mcv_report_value(r, "path", path);
 }
 
+/* The materials of a route's surfaces, each once. */
+static void report_materials(const mcv_scene *scene, const mcv_contribution *c, mcv_report *r) {
+    char text[256] = "";
+    size_t length = 0;
+    const uint32_t count =
+        c->surface_count < MCV_PATH_SURFACES ? c->surface_count : MCV_PATH_SURFACES;
+    for (uint32_t i = 0; i < count; ++i) {
+        const uint32_t material = scene->instances[c->surfaces[i].instance].material;
+        const char *name = scene->materials[material].name;
+        bool told = !name || !name[0];
+        for (uint32_t k = 0; k < i && !told; ++k)
+            told = scene->instances[c->surfaces[k].instance].material == material;
+        if (told || length + strlen(name) + 3 > sizeof text) continue;
+        length += (size_t)snprintf(text + length, sizeof text - length, "%s%s",
+                                   length > 0 ? ", " : "", name);
+    }
+    if (length > 0) mcv_report_text(r, "materials", text);
+}
+
+/* The pixel of the emitter's image that brings the most. */
+static void report_pixel(const mcv_route *route, mcv_report *r) {
+    double share;
+    const mcv_route_pixel *found = mcv_route_brightest(route, &share);
+    if (!found) return;
+    mcv_report_numbers(r, "emitter_pixel", "", ", ",
+                       (const double[]){found->pixel[0], found->pixel[1]}, 2);
+    mcv_report_number(r, "share_of_pixel", "", share);
+}
+
 static mcv_result report_route(const mcv_scene *scene, uint32_t sensor, const mcv_route *route,
                                mcv_report *r, mcv_error *error) {
     char *words = mcv_route_words(scene, sensor, route);
@@ -58,6 +89,8 @@ static mcv_result report_route(const mcv_scene *scene, uint32_t sensor, const mc
     mcv_report_element(r, words, mcv_emitter_types[scene->emitters[route->strongest.emitter].type]);
     mcv_report_quantity(r, "share", "", route->share, route->share_error);
     mcv_report_value(r, "emitter", json_string(emitter ? emitter : ""));
+    report_materials(scene, &route->strongest, r);
+    report_pixel(route, r);
     report_path(scene, &route->strongest, r);
     mcv_report_close(r);
     free(words);
@@ -80,7 +113,31 @@ static mcv_result report_routes(const mcv_command *command, const mcv_scene *sce
         MCV_TRY(report_route(scene, sensor, routes->items + i, r, error));
     mcv_report_close(r);
     if (command->explained) mcv_report_text(r, "page", command->explained);
+    if (command->explained_svg) mcv_report_text(r, "drawing", command->explained_svg);
     return MCV_OK;
+}
+
+static mcv_result check_files(const mcv_command *command, const mcv_scene *scene, uint32_t sensor,
+                              mcv_error *error) {
+    const char *svg = command->explained_svg;
+    if (command->explained) MCV_TRY(mcv_output_check(command->explained, error));
+    if (!svg) return MCV_OK;
+    if (!mcv_ends_in(svg, ".svg"))
+        return mcv_fail(error, MCV_USAGE, "--svg %s: must end in .svg", svg);
+    if (!mcv_setup_is_known(scene, sensor))
+        return mcv_fail(error, MCV_USAGE, "--svg: a sensor of type %s is not drawn",
+                        mcv_sensor_types[scene->sensors[sensor].type]);
+    return mcv_output_check(svg, error);
+}
+
+static mcv_result write_files(const mcv_command *command, const mcv_scene *scene, uint32_t sensor,
+                              const uint32_t pixel[2], const mcv_routes *routes, mcv_error *error) {
+    if (command->explained)
+        MCV_TRY(mcv_explain_page_write(command->explained, scene, sensor, pixel, routes,
+                                       command->routes, error));
+    return command->explained_svg ? mcv_explain_drawing_write(command->explained_svg, scene, sensor,
+                                                              routes, command->routes, error)
+                                  : MCV_OK;
 }
 
 mcv_result mcv_explain(const mcv_command *command, const mcv_scene *scene, uint32_t sensor,
@@ -91,7 +148,7 @@ mcv_result mcv_explain(const mcv_command *command, const mcv_scene *scene, uint3
     const uint64_t samples =
         (command->pixel_samples + MCV_ROUTE_REPLICATES - 1) / MCV_ROUTE_REPLICATES;
     MCV_TRY(read_pixel(command, pixel, error));
-    if (command->explained) MCV_TRY(mcv_output_check(command->explained, error));
+    MCV_TRY(check_files(command, scene, sensor, error));
     options.replicates = MCV_ROUTE_REPLICATES;
     options.last = 1; /* the number of samples is given apart */
     options.seed = (uint32_t)command->seed;
@@ -99,9 +156,7 @@ mcv_result mcv_explain(const mcv_command *command, const mcv_scene *scene, uint3
     mcv_result result = mcv_reference_explain(scene, sensor, &options, pixel, samples,
                                               mcv_routes_add, &routes, error);
     if (result == MCV_OK) result = mcv_routes_finish(&routes, samples, error);
-    if (result == MCV_OK && command->explained)
-        result = mcv_explain_page_write(command->explained, scene, sensor, pixel, &routes,
-                                        command->routes, error);
+    if (result == MCV_OK) result = write_files(command, scene, sensor, pixel, &routes, error);
     if (result == MCV_OK)
         result = report_routes(command, scene, sensor, pixel, samples, &routes, report, error);
     mcv_routes_free(&routes);

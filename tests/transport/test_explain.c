@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Routes of the light in a pixel: shares with closed forms, and their words. */
-#include "../api/api.h"
+#include "transport.h"
 
 #include <jansson.h>
 #include <math.h>
@@ -241,6 +241,60 @@ static void test_value_is_the_render(void **state) {
     mcv_session_close(session);
 }
 
+/* The projector of test_transport.c before a telecentric camera: pixel (5, 4) sees 0 to 0.5 mm, of
+ * which the projector's column 3 covers 0.3 mm and column 4 the rest; row 2 covers all. */
+static const char facing_rig[] =
+    "{\"asset\": {\"version\": \"2.0\"}, \"scene\": 0, \"scenes\": [{\"nodes\": [0, 1]}],"
+    " \"extensions\": {\"MCVISI_sensors\": {\"sensors\": [{\"name\": \"camera\","
+    " \"type\": \"telecentric\", \"magnification\": 0.1, \"workingDistance\": \"100mm\","
+    " \"fNumber\": 16, \"resolution\": [12, 10], \"pixelSize\": \"50um\"}]},"
+    " \"MCVISI_emitters\": {\"emitters\": [{\"name\": \"projector\","
+    " \"type\": \"telecentricProjector\", \"size\": [\"6mm\", \"5mm\"], \"halfAngle\": \"10deg\","
+    " \"radiance\": 1, \"image\": \"picture\"}]}},"
+    " \"images\": [{\"name\": \"picture\", \"uri\": \"transport-grey.png\"}],"
+    " \"nodes\": [{\"name\": \"camera\", \"rotation\": [0, 1, 0, 0],"
+    "   \"translation\": [0, 0, -0.1],"
+    "   \"extensions\": {\"MCVISI_sensors\": {\"sensor\": 0}}},"
+    "  {\"name\": \"projector\", \"translation\": [0.0003, -0.0002, 0],"
+    "   \"extensions\": {\"MCVISI_emitters\": {\"emitter\": 0}}}]}";
+
+/* The pixel of the projector that lights most of the pixel, with its share: 0.6 of 16384 random
+ * places, whose standard error is 0.0038; four and a half of these. */
+static void test_pixel_of_a_projector(void **state) {
+    (void)state;
+    write_grey(8, 6);
+    json_t *found = explain_rig(open_text("explain-facing.gltf", facing_rig),
+                                "{\"pixel\": \"5,4\", \"svg\": \"explained.svg\"}");
+    const json_t *routes = json_object_get(found, "routes"), *route = json_array_get(routes, 0),
+                 *pixel = json_object_get(route, "emitter_pixel");
+    assert_int_equal(json_array_size(routes), 1);
+    assert_int_equal(json_array_size(pixel), 2);
+    assert_int_equal((int)json_number_value(json_array_get(pixel, 0)), 3);
+    assert_int_equal((int)json_number_value(json_array_get(pixel, 1)), 2);
+    assert_float_equal(number(route, "share_of_pixel"), 0.6, 0.017);
+    json_decref(found);
+}
+
+/* The drawing has a line for each route, and colours that any program knows. */
+static void test_drawing(void **state) {
+    (void)state;
+    static char text[1 << 16];
+    json_t *found = explain(SCENE(""), "{\"pixel\": \"4,4\", \"spp\": 64, \"svg\": \"drawn.svg\"}");
+    assert_string_equal(json_string_value(json_object_get(found, "drawing")), "drawn.svg");
+    json_decref(found);
+    FILE *file = fopen("drawn.svg", "r");
+    assert_non_null(file);
+    text[fread(text, 1, sizeof text - 1, file)] = '\0';
+    fclose(file);
+    assert_true(strncmp(text, "<svg xmlns=\"http://www.w3.org/2000/svg\"", 39) == 0);
+    assert_non_null(strstr(text, "<title>route 1</title>"));
+    assert_non_null(strstr(text, "<title>route 2</title>"));
+    assert_non_null(strstr(text, ".ray0{stroke:#0072b2}"));
+    assert_true(!strstr(text, "var(") && !strstr(text, "<figure>"));
+    assert_string_equal(text + strlen(text) - 7, "</svg>\n");
+    remove("drawn.svg");
+}
+
 static void test_bad_pixels(void **state) {
     (void)state;
     mcv_rig *rig = parse_rig(SCENE(""));
@@ -252,6 +306,9 @@ static void test_bad_pixels(void **state) {
           mcv_session_explain(session, rig, "{\"pixel\": \"4\"}", &report, &error));
     FAILS(MCV_USAGE, "must be column and row",
           mcv_session_explain(session, rig, "{\"pixel\": \"4,-1\"}", &report, &error));
+    FAILS(MCV_USAGE, "must end in .svg",
+          mcv_session_explain(session, rig, "{\"pixel\": \"4,4\", \"svg\": \"a.png\"}", &report,
+                              &error));
     FAILS(MCV_USAGE, "the image has 9 x 9, from 0,0 to 8,8",
           mcv_session_explain(session, rig, "{\"pixel\": \"9,0\"}", &report, &error));
     mcv_rig_free(rig);
@@ -263,6 +320,7 @@ int main(void) {
         cmocka_unit_test(test_shares_of_two_lights), cmocka_unit_test(test_share_of_a_sky),
         cmocka_unit_test(test_strongest_path),       cmocka_unit_test(test_routes_within_a_box),
         cmocka_unit_test(test_ghosts_of_a_lens),     cmocka_unit_test(test_value_is_the_render),
+        cmocka_unit_test(test_pixel_of_a_projector), cmocka_unit_test(test_drawing),
         cmocka_unit_test(test_bad_pixels),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

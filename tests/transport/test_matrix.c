@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Light transport matrices of made-up records: sums, thinning, products, files. */
 #include "matrices.h"
+#include "program.h"
 #include "test.h"
 
 #include "mcvisi/tables.h"
@@ -345,8 +346,8 @@ int main(void) {
         cmocka_unit_test(test_entries_are_means),
         cmocka_unit_test(test_thinning_keeps_white),
         cmocka_unit_test(test_relighting_is_the_product),
-        cmocka_unit_test(test_files),
-        cmocka_unit_test(test_matrix_market),
+        cmocka_unit_test_setup_teardown(test_files, enter_folder, leave_folder),
+        cmocka_unit_test_setup_teardown(test_matrix_market, enter_folder, leave_folder),
         cmocka_unit_test(test_files_take_what_memory_has_no_room_for),
         cmocka_unit_test(test_memory_is_bounded),
     };
