@@ -127,6 +127,7 @@ static mcv_result no_device(cl_int code, mcv_error *error) {
                         "which is %.4g MB (ulimit -v): drivers need some GB of addresses, most of "
                         "it without memory; raise the limit, and bound the memory by --memory",
                         1e-6 * (double)space.rlim_cur);
+    MCV_TRY(mcv_pocl_writes("no OpenCL device was found", error));
     return mcv_fail(error, MCV_DEVICE,
                     "no OpenCL device was found: install an OpenCL driver, such as Debian's "
                     "pocl-opencl-icd for the CPU");
@@ -315,6 +316,8 @@ void mcv_cl_close(mcv_cl *cl) {
 static mcv_result build_failure(mcv_cl *cl, cl_program program, const char *name, cl_int code,
                                 mcv_error *error) {
     size_t size = 0;
+    if (strstr(cl->name, "Portable Computing Language"))
+        MCV_TRY(mcv_pocl_writes("kernels cannot be compiled", error));
     clGetProgramBuildInfo(program, cl->device, CL_PROGRAM_BUILD_LOG, 0, NULL, &size);
     char *log = calloc(size + 1, 1);
     if (log) clGetProgramBuildInfo(program, cl->device, CL_PROGRAM_BUILD_LOG, size, log, NULL);

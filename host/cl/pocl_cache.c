@@ -2,17 +2,22 @@
 #include "cl/pocl_cache.h"
 
 #include "core/basics.h"
+#include "core/kernel_folder.h"
 
 #include <dirent.h>
 #include <elf.h>
+#include <errno.h>
 #include <fcntl.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
-enum { MAX_PATH = 4096, MAX_DEPTH = 8 };
+/* Folders are looked at to this depth. A compiled kernel has no more bytes than LARGEST_FILE: those
+ * of the shipped scenes have up to 0.86 MB. */
+enum { MAX_DEPTH = 8, LARGEST_FILE = 1 << 20 };
 
 mcv_result mcv_pocl_check(mcv_error *error) {
     const char *folder = getenv("POCL_CACHE_DIR");
@@ -71,7 +76,7 @@ static void mend_folder(const char *folder, int depth) {
     DIR *directory = opendir(folder);
     if (!directory) return;
     for (const struct dirent *entry; (entry = readdir(directory));) {
-        char path[MAX_PATH];
+        char path[MCV_KERNEL_FOLDER];
         if (entry->d_name[0] == '.' || is_being_written(entry->d_name) ||
             snprintf(path, sizeof path, "%s/%s", folder, entry->d_name) >= (int)sizeof path)
             continue;
@@ -86,15 +91,51 @@ static void mend_folder(const char *folder, int depth) {
 }
 
 void mcv_pocl_mend(void) {
-    const char *folder = getenv("POCL_CACHE_DIR"), *base = getenv("XDG_CACHE_HOME"),
-               *home = getenv("HOME");
-    char path[MAX_PATH];
-    int length = 0;
-    if (folder)
-        length = snprintf(path, sizeof path, "%s", folder);
-    else if (base && base[0])
-        length = snprintf(path, sizeof path, "%s/pocl/kcache", base);
-    else if (home && home[0])
-        length = snprintf(path, sizeof path, "%s/.cache/pocl/kcache", home);
-    if (length > 0 && length < (int)sizeof path) mend_folder(path, 0);
+    char path[MCV_KERNEL_FOLDER];
+    if (mcv_kernel_folder(path)) mend_folder(path, 0);
+}
+
+/* --- why PoCL cannot work --- */
+
+/* Makes the folder and those above it. */
+static bool make_folder(char *path) {
+    for (char *slash = strchr(path + 1, '/'); slash; slash = strchr(slash + 1, '/')) {
+        *slash = '\0';
+        const bool made = mkdir(path, 0700) == 0 || errno == EEXIST;
+        *slash = '/';
+        if (!made) return false;
+    }
+    return mkdir(path, 0700) == 0 || errno == EEXIST;
+}
+
+/* Writes a file as large as a compiled kernel, and removes it; errno tells why not. */
+static bool takes_files(char *folder) {
+    static const char zeros[LARGEST_FILE];
+    char path[MCV_KERNEL_FOLDER + 16];
+    if (!make_folder(folder)) return false;
+    snprintf(path, sizeof path, "%s/.mcvisi-XXXXXX", folder);
+    const int fd = mkstemp(path);
+    if (fd < 0) return false;
+    unlink(path);
+    errno = ENOSPC;
+    const bool written = write(fd, zeros, sizeof zeros) == (ssize_t)sizeof zeros;
+    const int why = errno;
+    close(fd);
+    errno = why;
+    return written;
+}
+
+mcv_result mcv_pocl_writes(const char *what, mcv_error *error) {
+    struct rlimit limit;
+    char folder[MCV_KERNEL_FOLDER];
+    if (getrlimit(RLIMIT_FSIZE, &limit) == 0 && limit.rlim_cur < LARGEST_FILE)
+        return mcv_fail(error, MCV_DEVICE,
+                        "%s: files may have at most %llu bytes (ulimit -f), but the OpenCL driver "
+                        "PoCL writes kernels into files of up to a megabyte: raise the limit",
+                        what, (unsigned long long)limit.rlim_cur);
+    if (!mcv_kernel_folder(folder) || takes_files(folder)) return MCV_OK;
+    return mcv_fail(error, MCV_DEVICE,
+                    "%s: the OpenCL driver PoCL cannot write compiled kernels into the folder "
+                    "\"%s\": %s; let POCL_CACHE_DIR name a folder that can be written",
+                    what, folder, strerror(errno));
 }

@@ -12,4 +12,8 @@ mcv_result mcv_pocl_check(mcv_error *error);
 /* Deletes damaged files of PoCL's cache, which PoCL then compiles again. */
 void mcv_pocl_mend(void);
 
+/* MCV_DEVICE, with `what` and the reason, where PoCL cannot write its files: it then finds no
+ * device, or builds no program. Writes a file there, and removes it. */
+mcv_result mcv_pocl_writes(const char *what, mcv_error *error);
+
 #endif

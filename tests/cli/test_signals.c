@@ -52,6 +52,41 @@ static void test_signals_end_with_their_codes(void **state) {
     }
 }
 
+/* timeout, for one, sends its signal to the process and then to the group: one request. */
+static void test_a_signal_that_comes_twice_at_once(void **state) {
+    (void)state;
+    for (int turn = 0; turn < 5; ++turn) {
+        remove("twice.exr");
+        const pid_t child = child_start(
+            "render " SCENE " -o twice.exr --resolution 16x16 --time 1000 --device reference", 0);
+        child_wait_for_handler(child, SIGTERM);
+        kill(child, SIGTERM);
+        sleep_for(0.001 * turn);
+        kill(-child, SIGTERM);
+        const int code = child_end(child);
+        if (code != 143) fail_msg("%d ms apart: exit code %d: %s", turn, code, said);
+        if (access("twice.exr", R_OK) != 0) fail_msg("%d ms apart: no image: %s", turn, said);
+    }
+}
+
+/* A second signal ends the program at once, here while kernels are compiled for seconds. */
+static void test_a_second_signal(void **state) {
+    (void)state;
+    assert_int_equal(mkdir("second", 0700), 0);
+    setenv("POCL_CACHE_DIR", "second", 1);
+    const pid_t child = child_start("render " SCENE " -o second.exr --resolution 8x8 --spp 4", 0);
+    child_wait_for_handler(child, SIGINT);
+    kill(child, SIGINT);
+    sleep_for(0.6); /* more than half a second */
+    const double begun = now();
+    kill(child, SIGINT);
+    const int code = child_end(child);
+    if (code == -SIGINT && now() - begun > 1) fail_msg("it took %g s", now() - begun);
+    if (code != -SIGINT && code != 130) fail_msg("exit code %d: %s", code, said);
+    print_message("exit code %d\n", code); /* 130: kernels were compiled by then */
+    unsetenv("POCL_CACHE_DIR");
+}
+
 /* A write above the limit fails with a sentence; the old image stays. */
 static void test_limited_file_size(void **state) {
     (void)state;
@@ -70,11 +105,29 @@ static void test_limited_file_size(void **state) {
     assert_string_equal(text, "the image before");
 }
 
+/* The driver could not write its kernels: it is the limit, no fault of theirs. */
+static void test_limited_file_size_of_kernels(void **state) {
+    (void)state;
+    assert_int_equal(mkdir("limited", 0700), 0);
+    setenv("POCL_CACHE_DIR", "limited", 1);
+    const pid_t child =
+        child_start("render " SCENE " -o kernels.exr --resolution 8x8 --spp 4", 20480);
+    const int code = child_end(child);
+    unsetenv("POCL_CACHE_DIR");
+    if (code == 0) skip(); /* a driver without files */
+    if (code != 4 || !strstr(said, "files may have at most 20480 bytes (ulimit -f)"))
+        fail_msg("exit code %d: %s", code, said);
+    assert_int_equal(files_named(".", ".part"), 0);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_terminated_while_kernels_are_built),
         cmocka_unit_test(test_signals_end_with_their_codes),
+        cmocka_unit_test(test_a_signal_that_comes_twice_at_once),
+        cmocka_unit_test(test_a_second_signal),
         cmocka_unit_test(test_limited_file_size),
+        cmocka_unit_test(test_limited_file_size_of_kernels),
     };
     return cmocka_run_group_tests(tests, enter_folder, leave_folder);
 }

@@ -64,6 +64,45 @@ static void test_damaged(void **state) {
     program_fails("compare out.exr whole.exr", 0, "");
 }
 
+/* Damage within a file, on which PoCL may end the process: then the sentence tells what to delete.
+ */
+static void test_damaged_within(void **state) {
+    (void)state;
+    program_well(render);
+    file_count = 0;
+    nftw("cache", collect, 16, FTW_PHYS);
+    if (file_count == 0) skip();
+    for (int i = 0; i < file_count; ++i) {
+        FILE *file = fopen(files[i], "r+b");
+        assert_non_null(file);
+        assert_int_equal(fseek(file, 400, SEEK_SET), 0);
+        for (int k = 0; k < 4000; ++k) fputc(k * 73 & 255, file);
+        fclose(file);
+    }
+    const int code = program(render);
+    print_message("exit code %d\n", code);
+    if (code != 0 && !strstr(said, "delete the folder cache\n"))
+        fail_msg("exit code %d: %s", code, said);
+}
+
+/* PoCL has no device, or builds nothing, where it cannot write: the sentence tells why. */
+static void test_folder_that_takes_no_files(void **state) {
+    (void)state;
+    write_file("taken", "");
+    setenv("POCL_CACHE_DIR", "taken", 1);
+    if (program(render) != 0) program_fails(render, 4, "into the folder \"taken\": ");
+    setenv("POCL_CACHE_DIR", "/proc/nowhere", 1);
+    if (program(render) != 0)
+        program_fails("devices", 4, "into the folder \"/proc/nowhere\": No such file or directory");
+    unsetenv("POCL_CACHE_DIR");
+    char *home = strdup(getenv("HOME") ? getenv("HOME") : "");
+    setenv("HOME", "/dev/null", 1);
+    unsetenv("XDG_CACHE_HOME");
+    if (program(render) != 0) program_fails(render, 4, "let POCL_CACHE_DIR name a folder");
+    setenv("HOME", home, 1);
+    free(home);
+}
+
 /* A file that another process is about to write is left to it: PoCL names it so until it is whole.
  */
 static void test_files_of_others(void **state) {
@@ -87,6 +126,9 @@ static void test_empty(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_damaged, enter_with_cache, leave_folder),
+        cmocka_unit_test_setup_teardown(test_damaged_within, enter_with_cache, leave_folder),
+        cmocka_unit_test_setup_teardown(test_folder_that_takes_no_files, enter_with_cache,
+                                        leave_folder),
         cmocka_unit_test_setup_teardown(test_files_of_others, enter_with_cache, leave_folder),
         cmocka_unit_test_setup_teardown(test_empty, enter_folder, leave_folder)};
     return cmocka_run_group_tests(tests, NULL, NULL);
