@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Findings about meshes: whether they are closed, and how well their facets approximate curved
  * surfaces. */
+#include "check/facets.h"
 #include "check/find.h"
 #include "scene/transform.h"
 #include "scene/geometry.h"
@@ -63,155 +64,60 @@ mcv_result mcv_find_thin_body(const mcv_scene *scene, mcv_findings *findings, mc
     return MCV_OK;
 }
 
-/* --- facets --- */
+/* --- flat_glass, rounded_edge --- */
 
-/* The largest angle between neighbours of a curved surface, above which an edge is intended; and
- * the smallest one, below which they are coplanar up to rounding [rad]. */
-static const double crease = 31 * M_PI / 180, flat = 0.01 * M_PI / 180;
-enum { LEAST_EDGES = 8 }; /* of a curved surface; fewer may be real edges of a part */
-
-/* Where two triangles meet under a slight angle. */
-typedef struct bend {
-    uint32_t triangles[2];
-    uint32_t ends[2];
-    double angle; /* of the normals [rad] */
-    bool faceted; /* and the shading normals have a step there too */
-} bend;
-
-/* Facets: connected coplanar triangles. */
-typedef struct facets {
-    const mcv_scene *scene;
-    uint32_t instance;
-    double (*normals)[3]; /* of the triangles, unit; 0 for those without area */
-    uint32_t *parents;    /* of a triangle's facet: union-find */
-    bend *bends;
-    size_t bend_count;
-} facets;
-
-static uint32_t root_of(uint32_t *parents, uint32_t t) {
-    while (parents[t] != t) t = parents[t] = parents[parents[t]];
-    return t;
-}
-
-static double angle_between(const double a[3], const double b[3]) {
-    double cross[3];
-    mcv_cross3(a, b, cross);
-    return atan2(sqrt(mcv_dot3(cross, cross)), mcv_dot3(a, b));
-}
-
-/* The difference between the interpolated normals of the two triangles at the edge's ends. */
-static double jump_of_normals(const facets *f, const mcv_shared_edge *edge) {
-    double most = 0, normals[2][3][3];
-    const uint32_t *indices = f->scene->meshes[f->scene->instances[f->instance].mesh].indices;
-    for (int side = 0; side < 2; ++side)
-        mcv_scene_vertex_normals(f->scene, f->instance, edge->triangles[side], normals[side]);
-    for (int end = 0; end < 2; ++end) {
-        const double *at[2] = {normals[0][0], normals[1][0]};
-        for (int side = 0; side < 2; ++side)
-            for (int k = 0; k < 3; ++k)
-                if (indices[3 * (size_t)edge->triangles[side] + k] == edge->ends[side][end])
-                    at[side] = normals[side][k];
-        most = fmax(most, angle_between(at[0], at[1]));
+/* The bends of a kind whose normals have a step, or none, and the largest of them [rad]. */
+static uint32_t count_bends(const mcv_facets *f, mcv_bend_kind kind, bool faceted, double least,
+                            double *most) {
+    uint32_t count = 0;
+    *most = 0;
+    for (size_t k = 0; k < f->bend_count; ++k) {
+        const mcv_bend *b = f->bends + k;
+        if (b->kind != kind || b->faceted != faceted || b->angle < least) continue;
+        ++count;
+        *most = fmax(*most, b->angle);
     }
-    return most;
+    return count;
 }
-
-/* Keeps the bends of curved surfaces: there a facet bends to several neighbours by similar
- * angles. */
-static void keep_curved(facets *f, uint32_t triangles) {
-    double(*range)[2] = malloc(triangles * sizeof *range + 1); /* of the angles about a facet */
-    uint32_t *count = calloc((size_t)triangles + 1, sizeof *count);
-    size_t kept = 0;
-    for (size_t pass = 0; pass < 2 && range && count; ++pass)
-        for (size_t i = 0; i < f->bend_count; ++i) {
-            const bend b = f->bends[i];
-            bool curved = false;
-            for (int side = 0; side < 2; ++side) {
-                const uint32_t facet = root_of(f->parents, b.triangles[side]);
-                if (pass == 0) {
-                    range[facet][0] = count[facet] ? fmin(range[facet][0], b.angle) : b.angle;
-                    range[facet][1] = count[facet] ? fmax(range[facet][1], b.angle) : b.angle;
-                    ++count[facet];
-                }
-                curved = curved || (count[facet] > 1 && range[facet][1] < 4 * range[facet][0]);
-            }
-            if (pass == 1 && curved) f->bends[kept++] = b;
-        }
-    f->bend_count = kept;
-    free(range);
-    free(count);
-}
-
-static void facets_free(facets *f) {
-    free(f->normals);
-    free(f->parents);
-    free(f->bends);
-    *f = (facets){0};
-}
-
-/* The bends of an instance's curved surfaces. */
-static mcv_result facets_of(const mcv_scene *scene, uint32_t instance, facets *f,
-                            mcv_error *error) {
-    const mcv_mesh *mesh = scene->meshes + scene->instances[instance].mesh;
-    const size_t triangles = mesh->triangle_count;
-    mcv_shared_edge *edges;
-    size_t count;
-    *f = (facets){.scene = scene, .instance = instance};
-    MCV_TRY(mcv_shared_edges(mesh, &edges, &count, error));
-    f->normals = calloc(triangles + 1, sizeof *f->normals);
-    f->parents = malloc(triangles * sizeof *f->parents + 1);
-    f->bends = malloc(count * sizeof *f->bends + 1);
-    const bool memory = f->normals && f->parents && f->bends;
-    for (uint32_t t = 0; t < triangles && memory; ++t) {
-        double face[3];
-        f->parents[t] = t;
-        mcv_scene_face_normal(scene, instance, t, face);
-        mcv_normalize3(face, f->normals[t]);
-    }
-    for (size_t i = 0; i < count && memory; ++i) {
-        const uint32_t a = edges[i].triangles[0], b = edges[i].triangles[1];
-        const double angle = angle_between(f->normals[a], f->normals[b]);
-        if (angle <= flat)
-            f->parents[root_of(f->parents, a)] = root_of(f->parents, b);
-        else if (angle < crease)
-            f->bends[f->bend_count++] =
-                (bend){{a, b},
-                       {edges[i].ends[0][0], edges[i].ends[0][1]},
-                       angle,
-                       mesh->normals == NULL || jump_of_normals(f, edges + i) > angle / 2};
-    }
-    free(edges);
-    if (memory) {
-        keep_curved(f, mesh->triangle_count);
-        return MCV_OK;
-    }
-    facets_free(f);
-    return mcv_fail(error, MCV_FAILED, "%s: no memory for the facets of its meshes", scene->path);
-}
-
-/* --- flat_glass --- */
 
 mcv_result mcv_find_flat_glass(const mcv_scene *scene, mcv_findings *findings, mcv_error *error) {
     for (uint32_t i = 0; i < scene->instance_count; ++i) {
-        facets f;
-        double most = 0;
-        uint32_t faceted = 0;
+        mcv_facets f;
+        double most;
         char label[MCV_LABEL];
         if (material_of(scene, i)->type != MCV_MATERIAL_DIELECTRIC) continue;
-        MCV_TRY(facets_of(scene, i, &f, error));
-        for (size_t k = 0; k < f.bend_count; ++k) {
-            if (!f.bends[k].faceted) continue;
-            ++faceted;
-            most = fmax(most, f.bends[k].angle);
-        }
-        facets_free(&f);
-        if (faceted < LEAST_EDGES) continue;
+        MCV_TRY(mcv_facets_of(scene, i, &f, error));
+        const uint32_t faceted = count_bends(&f, MCV_BEND_CURVED, true, 0, &most);
+        const double crease = mcv_crease_degrees(mcv_facets_range(&f));
+        mcv_facets_free(&f);
+        if (faceted < MCV_LEAST_BENDS) continue;
         MCV_TRY(mcv_findings_add(
             findings, MCV_SEVERITY_WARNING, "nodes", scene->instances[i].name, NULL, error,
             "%s is curved glass made of flat facets, with angles of up to %.3g degrees at %u "
             "edges: it refracts like many prisms, not like a lens; give its asset "
-            "\"creaseAngle\": \"30deg\", or export a .glb with vertex normals (shade smooth)",
-            mcv_instance_label(scene, i, label), most * 180 / M_PI, faceted));
+            "\"creaseAngle\": \"%gdeg\", or export a .glb with vertex normals (shade smooth)",
+            mcv_instance_label(scene, i, label), most * 180 / M_PI, faceted, crease));
+    }
+    return MCV_OK;
+}
+
+mcv_result mcv_find_rounded_edge(const mcv_scene *scene, mcv_findings *findings, mcv_error *error) {
+    for (uint32_t i = 0; i < scene->instance_count; ++i) {
+        mcv_facets f;
+        double most;
+        char label[MCV_LABEL];
+        if (material_of(scene, i)->type != MCV_MATERIAL_DIELECTRIC) continue;
+        MCV_TRY(mcv_facets_of(scene, i, &f, error));
+        const uint32_t rounded = count_bends(&f, MCV_BEND_EDGE, false, mcv_least_edge, &most);
+        const double crease = mcv_crease_degrees(mcv_facets_range(&f));
+        mcv_facets_free(&f);
+        if (rounded < MCV_LEAST_BENDS) continue;
+        MCV_TRY(mcv_findings_add(
+            findings, MCV_SEVERITY_WARNING, "nodes", scene->instances[i].name, NULL, error,
+            "the normals of %s round %u of its edges, which are bent by up to %.3g degrees: flat "
+            "faces beside them refract like lenses; give its asset \"creaseAngle\": \"%gdeg\", or "
+            "export a .glb whose normals part at edges",
+            mcv_instance_label(scene, i, label), rounded, most * 180 / M_PI, crease));
     }
     return MCV_OK;
 }
@@ -221,7 +127,7 @@ mcv_result mcv_find_flat_glass(const mcv_scene *scene, mcv_findings *findings, m
 static const double tolerated = 0.1; /* of a pixel */
 
 /* The height of a triangle over one of its edges [m]. */
-static double height_over(const facets *f, uint32_t triangle, const double from[3],
+static double height_over(const mcv_facets *f, uint32_t triangle, const double from[3],
                           const double to[3]) {
     double corners[3][3], most = 0;
     const double along[3] = {to[0] - from[0], to[1] - from[1], to[2] - from[2]},
@@ -241,7 +147,8 @@ static double height_over(const facets *f, uint32_t triangle, const double from[
  * The deviation of chords from the curve that they replace, at a bend seen from its side: w θ/8 for
  * facets of width w and angle θ. In pixels; 0 if it is outside the image or not at an outline.
  */
-static double chord_error(const facets *f, const mcv_view *view, const bend *b, double *metres) {
+static double chord_error(const mcv_facets *f, const mcv_view *view, const mcv_bend *b,
+                          double *metres) {
     double from[3], to[3], middle[3], film[2], local[3], sight[3], cosine[2];
     const double *m = view->sensor->to_world.m;
     mcv_scene_vertex(f->scene, f->instance, b->ends[0], from);
@@ -256,7 +163,7 @@ static double chord_error(const facets *f, const mcv_view *view, const bend *b, 
     for (int side = 0; side < 2; ++side)
         cosine[side] = mcv_dot3(f->normals[b->triangles[side]], sight);
     /* One facet faces the sensor and the other does not; or both are edge-on, up to rounding. */
-    if (cosine[0] * cosine[1] > 0 && fmin(fabs(cosine[0]), fabs(cosine[1])) > flat) return 0;
+    if (cosine[0] * cosine[1] > 0 && fmin(fabs(cosine[0]), fabs(cosine[1])) > mcv_flat) return 0;
     const double width =
         fmin(height_over(f, b->triangles[0], from, to), height_over(f, b->triangles[1], from, to));
     mcv_view_point(view, middle, local);
@@ -281,10 +188,11 @@ typedef struct worst_outline {
     bool backlit;
 } worst_outline;
 
-static void judge_outline(const facets *f, const mcv_view *view, worst_outline *worst) {
+static void judge_outline(const mcv_facets *f, const mcv_view *view, worst_outline *worst) {
     double most = 0, most_metres = 0, metres = 0;
     for (size_t k = 0; k < f->bend_count; ++k) {
-        const double off = chord_error(f, view, f->bends + k, &metres);
+        const double off =
+            f->bends[k].kind == MCV_BEND_CURVED ? chord_error(f, view, f->bends + k, &metres) : 0;
         if (off <= most) continue;
         most = off;
         most_metres = metres;
@@ -322,16 +230,16 @@ mcv_result mcv_find_outline(const mcv_scene *scene, mcv_findings *findings, mcv_
     if (!worst)
         return mcv_fail(error, MCV_FAILED, "%s: no memory for what its sensors see", scene->path);
     for (uint32_t i = 0; i < scene->instance_count && result == MCV_OK; ++i) {
-        facets f;
+        mcv_facets f;
         if (!mcv_is_part(scene, i) || scene->meshes[scene->instances[i].mesh].triangle_count == 0)
             continue;
-        result = facets_of(scene, i, &f, error);
+        result = mcv_facets_of(scene, i, &f, error);
         if (result != MCV_OK) break;
-        for (uint32_t s = 0; f.bend_count >= LEAST_EDGES && s < scene->sensor_count; ++s) {
+        for (uint32_t s = 0; f.curved_count >= MCV_LEAST_BENDS && s < scene->sensor_count; ++s) {
             const mcv_view view = mcv_view_of(scene->sensors + s);
             judge_outline(&f, &view, worst + s);
         }
-        facets_free(&f);
+        mcv_facets_free(&f);
     }
     for (uint32_t s = 0; s < scene->sensor_count && result == MCV_OK; ++s) {
         const mcv_view view = mcv_view_of(scene->sensors + s);

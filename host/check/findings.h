@@ -53,6 +53,8 @@ typedef struct mcv_findings {
  *   all are smaller than one pixel
  * - open_body: nodes of a dielectric with edges that no other triangle shares
  * - flat_glass: curved bodies of a dielectric with flat facets
+ * - rounded_edge: edges of a dielectric between its curves and flat faces, with normals that join
+ *   them
  * - thin_body: closed meshes of a material for thin sheets
  * - outline: meshes whose chords, at an outline in the image, deviate from the curve by more than a
  *   tenth of a pixel
@@ -73,6 +75,7 @@ typedef struct mcv_findings {
     X(unit) \
     X(open_body) \
     X(flat_glass) \
+    X(rounded_edge) \
     X(thin_body) \
     X(outline) \
     X(small_defect) \

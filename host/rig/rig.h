@@ -80,7 +80,7 @@ typedef struct mcv_rig_design {
     double magnification, focal_length, working_distance, f_number, field[2];
     mcv_rig_light light;
     char material[160]; /* MCVISI_materials of the part, as JSON; empty: its own */
-    bool needs_normals; /* glass or a mirror, whose file has flat triangles only */
+    double crease;      /* angle of its vertex normals [degrees]; 0: those of its file */
 } mcv_rig_design;
 
 /*

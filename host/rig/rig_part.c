@@ -2,6 +2,7 @@
 /* The part that a rig is for: its file, its box and its material. */
 #include "rig/rig_part.h"
 
+#include "check/facets.h"
 #include "core/basics.h"
 #include "loader/load.h"
 #include "loader/load_stl.h"
@@ -28,28 +29,32 @@ static void add_points(mcv_rig_design *r, const mcv_mesh *mesh, const mcv_transf
     r->triangles += mesh->triangle_count;
 }
 
-static mcv_result read_stl(mcv_rig_design *r, double unit, mcv_error *error) {
+/* The scene of an .stl file, whose lengths stay in its unit. */
+static mcv_result add_solid(mcv_scene *scene, double size[3], mcv_error *error) {
+    const mcv_json_path place = mcv_place_file(scene->path);
+    mcv_material plain = {.name = "", .type = MCV_MATERIAL_DIFFUSE, .texture = MCV_NONE};
+    mcv_instance part = {.name = "part", .emitter = MCV_NONE, .to_world = mcv_transform_identity()};
+    mcv_bytes bytes;
+    MCV_TRY(mcv_file_read(scene->path, &bytes, &place, error));
+    const mcv_result result =
+        mcv_load_stl(scene, bytes, part.name, &part.mesh, size, &place, error);
+    free(bytes.data);
+    MCV_TRY(result);
+    mcv_params_set_defaults(mcv_material_table(plain.type), &plain.as);
+    MCV_TRY(mcv_scene_add_material(scene, &plain, error));
+    return mcv_scene_add_instance(scene, &part, error);
+}
+
+/* The part as a scene; the caller frees it. size: of an .stl file's box. */
+static mcv_result open_part(const mcv_rig_design *r, mcv_scene **scene, double size[3],
+                            mcv_error *error) {
     const char *path = r->wishes.part;
     const mcv_json_path place = mcv_place_file(path);
-    const mcv_transform identity = mcv_transform_identity();
-    mcv_bytes bytes;
-    uint32_t mesh;
-    double size[3];
-    mcv_scene *scene = mcv_scene_new(path);
-    if (!scene) return mcv_fail_memory(&place, error);
-    mcv_result result = mcv_file_read(path, &bytes, &place, error);
-    if (result == MCV_OK) {
-        result = mcv_load_stl(scene, bytes, "part", &mesh, size, &place, error);
-        free(bytes.data);
-    }
-    if (result == MCV_OK) add_points(r, scene->meshes + mesh, &identity, unit);
-    mcv_scene_free(scene);
-    if (result == MCV_OK && !r->wishes.unit)
-        return mcv_fail(
-            error, MCV_USAGE,
-            "%s: an .stl file does not state its unit: the part is %.4g x %.4g x %.4g units "
-            "large; give --unit; most files use mm",
-            path, size[0], size[1], size[2]);
+    if (!r->stl) return mcv_scene_load(path, (mcv_overrides){NULL, 0}, scene, error);
+    *scene = mcv_scene_new(path);
+    if (!*scene) return mcv_fail_memory(&place, error);
+    const mcv_result result = add_solid(*scene, size, error);
+    if (result != MCV_OK) mcv_scene_free(*scene);
     return result;
 }
 
@@ -59,18 +64,26 @@ static bool passes_light(const mcv_material *material) {
             material->as.metallic_roughness.transmission > 0);
 }
 
-static mcv_result read_gltf(mcv_rig_design *r, double unit, mcv_error *error) {
+static mcv_result read_part(mcv_rig_design *r, double unit, mcv_error *error) {
+    const char *path = r->wishes.part;
     mcv_scene *scene;
-    MCV_TRY(mcv_scene_load(r->wishes.part, (mcv_overrides){NULL, 0}, &scene, error));
+    double size[3] = {0};
+    MCV_TRY(open_part(r, &scene, size, error));
     for (uint32_t i = 0; i < scene->instance_count; ++i) {
         const mcv_instance *instance = scene->instances + i;
-        add_points(r, scene->meshes + instance->mesh, &instance->to_world, unit);
+        const mcv_mesh *mesh = scene->meshes + instance->mesh;
+        add_points(r, mesh, &instance->to_world, unit);
         r->passes_light = r->passes_light || passes_light(scene->materials + instance->material);
-        r->has_normals = r->has_normals || scene->meshes[instance->mesh].normals;
+        r->has_normals = r->has_normals || mesh->normals;
     }
     mcv_scene_free(scene);
-    return r->triangles ? MCV_OK
-                        : mcv_fail(error, MCV_BAD_INPUT, "%s: has no mesh", r->wishes.part);
+    if (r->stl && !r->wishes.unit)
+        return mcv_fail(
+            error, MCV_USAGE,
+            "%s: an .stl file does not state its unit: the part is %.4g x %.4g x %.4g units "
+            "large; give --unit; most files use mm",
+            path, size[0], size[1], size[2]);
+    return r->triangles ? MCV_OK : mcv_fail(error, MCV_BAD_INPUT, "%s: has no mesh", path);
 }
 
 mcv_result mcv_rig_read_part(mcv_rig_design *r, mcv_error *error) {
@@ -89,7 +102,7 @@ mcv_result mcv_rig_read_part(mcv_rig_design *r, mcv_error *error) {
             return mcv_fail(error, MCV_USAGE, "--unit %s: must be one of nm, um, mm, cm, m, inch",
                             unit_name);
     }
-    MCV_TRY(r->stl ? read_stl(r, unit, error) : read_gltf(r, unit, error));
+    MCV_TRY(read_part(r, unit, error));
     for (int i = 0; i < 3; ++i) largest = fmax(largest, r->upper[i] - r->lower[i]);
     return largest > 0 ? MCV_OK
                        : mcv_fail(error, MCV_BAD_INPUT, "%s: its vertices are all one point", path);
@@ -134,16 +147,36 @@ static mcv_result fail_material(const char *name, mcv_error *error) {
                     name, list);
 }
 
+/* Normals for glass or a mirror whose file has flat triangles only. */
+static mcv_result choose_normals(mcv_rig_design *r, bool clear, mcv_error *error) {
+    mcv_scene *scene;
+    mcv_result result = MCV_OK;
+    mcv_bend_range range = {0, INFINITY};
+    double size[3] = {0};
+    if (!clear || r->has_normals) return MCV_OK;
+    MCV_TRY(open_part(r, &scene, size, error));
+    for (uint32_t i = 0; i < scene->instance_count && result == MCV_OK; ++i) {
+        mcv_facets facets;
+        result = mcv_facets_of(scene, i, &facets, error);
+        if (result != MCV_OK) break;
+        const mcv_bend_range of_mesh = mcv_facets_range(&facets);
+        mcv_facets_free(&facets);
+        range.curved = fmax(range.curved, of_mesh.curved);
+        range.edge = fmin(range.edge, of_mesh.edge);
+    }
+    mcv_scene_free(scene);
+    r->crease = mcv_crease_degrees(range);
+    return result;
+}
+
 mcv_result mcv_rig_choose_material(mcv_rig_design *r, mcv_error *error) {
     const char *name = r->wishes.material;
     const size_t room = sizeof r->material;
     bool clear = false;
     const bool transparent = r->wishes.kind == MCV_RIG_TRANSPARENT;
     /* CAD exports glass as opaque as steel. */
-    if (!name && !r->stl && (!transparent || r->passes_light)) {
-        r->needs_normals = r->passes_light && !r->has_normals;
-        return MCV_OK;
-    }
+    if (!name && !r->stl && (!transparent || r->passes_light))
+        return choose_normals(r, r->passes_light, error);
     if (!name) name = transparent ? "N-BK7" : "diffuse";
     if (mcv_rig_word_index(name, mcv_param_options("metal")) >= 0) {
         snprintf(r->material, room,
@@ -159,6 +192,5 @@ mcv_result mcv_rig_choose_material(mcv_rig_design *r, mcv_error *error) {
     } else {
         return fail_material(name, error);
     }
-    r->needs_normals = clear && !r->has_normals;
-    return MCV_OK;
+    return choose_normals(r, clear, error);
 }

@@ -192,9 +192,10 @@ static void print_asset(FILE *out, const mcv_rig_design *r, const char *uri) {
     const char *unit = r->wishes.unit;
     fprintf(out, "{\"name\": \"part\", \"uri\": \"");
     print_uri(out, uri);
-    fprintf(out, "\"%s%s%s%s%s}", unit ? ", \"unit\": \"" : "", unit ? unit : "", unit ? "\"" : "",
-            r->material[0] ? ", \"material\": \"part\"" : "",
-            r->needs_normals ? ", \"creaseAngle\": \"30deg\"" : "");
+    fprintf(out, "\"%s%s%s%s", unit ? ", \"unit\": \"" : "", unit ? unit : "", unit ? "\"" : "",
+            r->material[0] ? ", \"material\": \"part\"" : "");
+    if (r->crease > 0) fprintf(out, ", \"creaseAngle\": \"%gdeg\"", r->crease);
+    fputc('}', out);
 }
 
 /* The middle of the part along an axis, rounded to the precision of its single-precision

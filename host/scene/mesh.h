@@ -19,6 +19,9 @@ mcv_result mcv_mesh_check(mcv_mesh *mesh, uint32_t *repaired, const mcv_json_pat
  */
 mcv_result mcv_mesh_make_tangents(mcv_mesh *mesh, const mcv_json_path *place, mcv_error *error);
 
+/* Makes a mesh of separate triangles, without normals. On failure the mesh can only be freed. */
+mcv_result mcv_mesh_separate(mcv_mesh *mesh, const mcv_json_path *place, mcv_error *error);
+
 /*
  * Makes vertex normals: continuous where faces meet at crease_angle [rad] or less, sharp elsewhere
  * (normals.c). Replaces existing normals. Afterwards no two triangles share a vertex. The mesh must

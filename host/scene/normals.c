@@ -217,35 +217,9 @@ static mcv_result crease(creasing *c, double (*sums)[3], float *normals, const m
     return MCV_OK;
 }
 
-/* Gives each corner of a triangle a value of its own; NULL stays. */
-static bool separate_values(float **values, size_t width, const mcv_mesh *mesh) {
-    const size_t count = 3 * (size_t)mesh->triangle_count;
-    if (!*values) return true;
-    float *separate = malloc((width * count + 1) * sizeof *separate);
-    if (!separate) return false;
-    for (size_t i = 0; i < count; ++i)
-        memcpy(separate + width * i, *values + width * mesh->indices[i], width * sizeof *separate);
-    free(*values);
-    *values = separate;
-    return true;
-}
-
-/* Makes a mesh of separate triangles, without normals. On failure the mesh can only be freed. */
-static mcv_result separate_triangles(mcv_mesh *mesh, const mcv_json_path *place, mcv_error *error) {
-    free(mesh->normals);
-    mesh->normals = NULL;
-    if (!separate_values(&mesh->positions, 3, mesh) ||
-        !separate_values(&mesh->texcoords, 2, mesh) ||
-        !separate_values(&mesh->texcoords1, 2, mesh) || !separate_values(&mesh->tangents, 4, mesh))
-        return mcv_fail_memory(place, error);
-    mesh->vertex_count = 3 * mesh->triangle_count;
-    for (uint32_t i = 0; i < mesh->vertex_count; ++i) mesh->indices[i] = i;
-    return MCV_OK;
-}
-
 mcv_result mcv_mesh_make_normals(mcv_mesh *mesh, double crease_angle, const mcv_json_path *place,
                                  mcv_error *error) {
-    MCV_TRY(separate_triangles(mesh, place, error));
+    MCV_TRY(mcv_mesh_separate(mesh, place, error));
     const size_t count = 3 * (size_t)mesh->triangle_count;
     creasing c = {.positions = mesh->positions,
                   .normals = calloc(count + 1, 3 * sizeof *c.normals),

@@ -6,6 +6,8 @@
 #include <float.h>
 #include <math.h>
 
+#include "check/facets.h"
+#include "check/findings.h"
 #include "reference/reference.h"
 #include "scene_files.h"
 #include "scene/geometry.h"
@@ -210,6 +212,104 @@ static void test_gltf(void **state) {
     mcv_scene_free(scene);
 }
 
+/* --- a dome on a plate --- */
+
+enum { SECTORS = 48, RINGS = 10 };
+
+/* A point of the dome's profile, in mm: up the bottom and the side, along the flat rim, up the cap
+ * of a sphere of radius 40 mm. */
+static void profile_at(int k, double *r, double *z) {
+    static const double foot[4][2] = {{0, -2}, {14, -2}, {14, 0}, {12, 0}};
+    const double slope = asin(12.0 / 40) * (RINGS + 3 - k) / RINGS;
+    *r = k < 4 ? foot[k][0] : 40 * sin(slope);
+    *z = k < 4 ? foot[k][1] : 40 * cos(slope) - 40 * cos(asin(12.0 / 40));
+}
+
+static solid make_dome(void) {
+    solid s = {0};
+    for (int k = 0; k + 1 < RINGS + 4; ++k)
+        for (int j = 0; j < SECTORS; ++j) {
+            double p[4][3];
+            for (int c = 0; c < 4; ++c) {
+                double r, z;
+                const double angle = 2 * M_PI / SECTORS * ((j + c / 2) % SECTORS);
+                profile_at(k + (c == 1 || c == 2), &r, &z);
+                memcpy(p[c], (double[3]){r * cos(angle), r * sin(angle), z}, sizeof p[c]);
+            }
+            if (k == 0)
+                add_triangle(&s, (const double[3][3]){{p[0][0], p[0][1], p[0][2]},
+                                                      {p[2][0], p[2][1], p[2][2]},
+                                                      {p[1][0], p[1][1], p[1][2]}});
+            else if (k == RINGS + 2)
+                add_triangle(&s, (const double[3][3]){{p[0][0], p[0][1], p[0][2]},
+                                                      {p[3][0], p[3][1], p[3][2]},
+                                                      {p[1][0], p[1][1], p[1][2]}});
+            else
+                add_quad(&s, p[0], p[3], p[2], p[1]);
+        }
+    return s;
+}
+
+/* Does check say that edges are rounded? And of the rim's normals, how far is the worst off the
+ * axis? */
+static void expect_dome(const char *rest, const char *told, double least, double most) {
+    solid s = make_dome();
+    mcv_scene *scene = load_solid(&s, rest);
+    mcv_findings findings;
+    double worst = 0;
+    bool found = false;
+    assert_int_equal(mcv_findings_of(scene, &findings, &error), MCV_OK);
+    for (size_t i = 0; i < findings.count; ++i) {
+        found = found || (told && strstr(findings.items[i].sentence, told));
+        if (!told && strstr(findings.items[i].sentence, "creaseAngle"))
+            fail_msg("%s: %s", rest, findings.items[i].sentence);
+    }
+    if (told && !found) fail_msg("%s: no finding \"%s\"", rest, told);
+    mcv_findings_free(&findings);
+    for (uint32_t t = 0; t < scene->meshes[0].triangle_count; ++t) {
+        double normals[3][3], face[3];
+        mcv_scene_face_normal(scene, 0, t, face);
+        mcv_normalize3(face, face);
+        mcv_scene_vertex_normals(scene, 0, t, normals);
+        for (int c = 0; c < 3 && face[2] > 0.99999; ++c)
+            worst = fmax(worst, hypot(normals[c][0], normals[c][1]));
+    }
+    if (!(worst >= least && worst <= most))
+        fail_msg("%s: normals of the flat rim are off by %g, must be from %g to %g", rest, worst,
+                 least, most);
+    mcv_scene_free(scene);
+}
+
+/*
+ * A cap of facets of 1.7 degrees, on a flat rim that it meets under 16.6, on a side of facets of
+ * 7.5: an edge, although blunter ones are curves elsewhere. An angle above it rounds the rim.
+ */
+static void test_dome_on_a_plate(void **state) {
+    (void)state;
+    solid s = make_dome();
+    mcv_scene *scene = load_solid(&s, "");
+    mcv_facets facets;
+    assert_int_equal(mcv_facets_of(scene, 0, &facets, &error), MCV_OK);
+    const mcv_bend_range range = mcv_facets_range(&facets);
+    mcv_facets_free(&facets);
+    mcv_scene_free(scene);
+    /* The chord of a ring leans by the middle of its slopes; that of a sector of the last ring by
+     * tan' = tan cos of half a sector. Coordinates of 14 mm are rounded to 1e-6 mm, facets are
+     * 1 mm: 1e-5. */
+    const double slope = asin(12.0 / 40) * (RINGS - 0.5) / RINGS;
+    const double side = 2 * M_PI / SECTORS, edge = atan(tan(slope) / cos(side / 2));
+    if (!(fabs(range.curved - side) < 1e-5 && fabs(range.edge - edge) < 1e-5))
+        fail_msg("curves bend by up to %g, must be %g; edges by %g or more, must be %g",
+                 range.curved, side, range.edge, edge);
+    assert_true(mcv_crease_degrees(range) == floor(sqrt(side * edge) * 180 / M_PI));
+    assert_true(mcv_crease_degrees((mcv_bend_range){0, INFINITY}) == 30);
+    assert_true(mcv_crease_degrees((mcv_bend_range){0.2, 0.1}) == 30);
+    expect_dome("", "made of flat facets", 0, 0);
+    /* At the rim's inner circle the sum of a flat face and the cap's first ring leans. */
+    expect_dome(",\"creaseAngle\":\"30deg\"", "round 48 of its edges", 0.05, sin(slope));
+    expect_dome(",\"creaseAngle\":\"11deg\"", NULL, 0, rounding);
+}
+
 /* Facets of 10 and 20 degrees: their edges are smooth, those of the ends sharp. */
 static void test_cylinder(void **state) {
     enum { SIDES = 24 };
@@ -386,8 +486,11 @@ static void test_ball_focuses(void **state) {
 }
 
 int main(void) {
-    const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_box), cmocka_unit_test(test_gltf), cmocka_unit_test(test_cylinder),
-        cmocka_unit_test(test_sliver), cmocka_unit_test(test_ball_focuses)};
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_box),
+                                       cmocka_unit_test(test_gltf),
+                                       cmocka_unit_test(test_dome_on_a_plate),
+                                       cmocka_unit_test(test_cylinder),
+                                       cmocka_unit_test(test_sliver),
+                                       cmocka_unit_test(test_ball_focuses)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
