@@ -2,7 +2,7 @@
 /* Laser lines of the public interface: profiles of images. */
 #include "api/handles.h"
 #include "core/basics.h"
-#include "verbs/triangulate.h"
+#include "verbs/calibrate.h"
 
 static mcv_result add_all(mcv_profiles *profiles, mcv_texts images, mcv_error *error) {
     for (size_t i = 0; i < images.count; ++i) {
@@ -12,6 +12,7 @@ static mcv_result add_all(mcv_profiles *profiles, mcv_texts images, mcv_error *e
         mcv_picture_free(picture);
         MCV_TRY(result);
     }
+    MCV_TRY(mcv_light_plane_write(profiles, error));
     return mcv_profiles_write(profiles, error);
 }
 

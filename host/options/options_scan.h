@@ -24,6 +24,9 @@
       "that the line may reach") \
     X(flag, budget, "budget", 0, NULL, MCV_IN_SCAN, NULL, 0, 0, \
       "tell what each cause brings to the error of heights, by a run of its own, and hold the " \
-      "sum against all of them together")
+      "sum against all of them together") \
+    X(text, pose, "pose", 0, "D,A", MCV_IN_SCAN, NULL, 0, 0, \
+      "standard uncertainties of the camera's place along each of its axes and of its turn about " \
+      "each, against the laser, as in 10um,0.005deg: with --budget, what they bring to heights")
 
 #endif

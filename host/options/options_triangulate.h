@@ -25,6 +25,16 @@
       "those of the laser: x along the line, z towards the laser") \
     X(lengths, feed, "feed", 0, "D", MCV_IN_PROFILES, NULL, -1e3, 1e3, \
       "how far the part moves from image to image along the laser's y [m], or with a unit, " \
-      "0.1mm; not with a node of --frame that moves with the part")
+      "0.1mm; not with a node of --frame that moves with the part") \
+    X(text, calibrate, "calibrate", 0, "F.json", MCV_IN_TRIANGULATE, NULL, 0, 0, \
+      "find the plane of the light from images of a flat target at several places, and write it " \
+      "for --calibration; it needs --target") \
+    X(text, target, "target", 0, "NODE:AXIS=D", MCV_IN_TRIANGULATE, NULL, 0, 0, \
+      "the target's surface: the plane across an axis of this node of each image's header, at D " \
+      "from its origin [m], or with a unit, as in plate:z=3mm") \
+    X(text, calibration, "calibration", 0, "F.json", MCV_IN_PROFILES, NULL, 0, 0, \
+      "heights are by the light's plane that --calibrate has found, not by the node's") \
+    X(choice, distortion_known, "distortion", 0, "known|ignored", MCV_IN_PROFILES, "known", 0, 0, \
+      "whether heights are by the lens's distortion, or by a lens without any")
 
 #endif

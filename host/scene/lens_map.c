@@ -12,6 +12,11 @@ mcv_lens_map mcv_lens_map_none(void) {
                           .reach = INFINITY};
 }
 
+void mcv_lens_map_forget(mcv_lens_map *map) {
+    map->model = MCV_UNDISTORTED;
+    map->reach = INFINITY;
+}
+
 /* By the angle about (cosρ, sinρ, 0), Rodrigues' formula: the first two columns are the axes. */
 void mcv_lens_map_tilt(mcv_lens_map *map, double tilt, double direction) {
     const double c = cos(direction), s = sin(direction), turn = cos(tilt), lift = sin(tilt);

@@ -27,6 +27,9 @@ mcv_lens_map mcv_lens_map_none(void);
 void mcv_lens_map_tilt(mcv_lens_map *map, double tilt, double direction);
 void mcv_lens_map_tilt_xy(mcv_lens_map *map, double x, double y);
 
+/* Leaves the distortion out, but not the tilt. */
+void mcv_lens_map_forget(mcv_lens_map *map);
+
 /* Sets `reach`, of a map whose other members are set. */
 void mcv_lens_map_find_reach(mcv_lens_map *map);
 

@@ -4,6 +4,7 @@
 #include "analysis/speckle.h"
 #include "io/exr_make.h"
 #include "scene/laser.h"
+#include "scene/params.h"
 #include "scene/sensors.h"
 #include "verbs/grey_picture.h"
 
@@ -14,10 +15,13 @@
 #include <string.h>
 
 const mcv_scan_run mcv_scan_runs[MCV_SCAN_RUNS] = {
-    [MCV_SCAN_ALL] = {.noise = true, .speckle = true, .bits = true},
+    [MCV_SCAN_ALL] =
+        {.noise = true, .speckle = true, .bits = true, .calibrated = true, .undistorted = true},
     [MCV_SCAN_NOISE] = {.noise = true},
     [MCV_SCAN_SPECKLE] = {.speckle = true},
     [MCV_SCAN_BITS] = {.bits = true},
+    [MCV_SCAN_CALIBRATED] = {.calibrated = true},
+    [MCV_SCAN_UNDISTORTED] = {.undistorted = true},
     [MCV_SCAN_AGAIN] = {.again = true},
     [MCV_SCAN_DIRECT] = {.direct = true},
     [MCV_SCAN_STRAIGHT] = {.straight = true},
@@ -28,6 +32,8 @@ bool mcv_scan_needs(const mcv_scan *s, int run) {
     const mcv_scan_run *r = mcv_scan_runs + run;
     if (run == MCV_SCAN_ALL) return true;
     return s->budget && !(r->speckle && s->command.scan_speckle) &&
+           !(r->calibrated && !s->command.calibration) &&
+           !(r->undistorted && !s->command.distortion_known) &&
            !(r->straight && !r->direct && s->straight);
 }
 
@@ -43,6 +49,25 @@ static mcv_result check_options(const mcv_command *c, mcv_error *error) {
         return mcv_fail(error, MCV_USAGE,
                         "--feed is from profile to profile: give their number by --profiles N");
     return MCV_OK;
+}
+
+/* --pose D,A. */
+static mcv_result read_pose(const mcv_command *c, double pose[2], mcv_error *error) {
+    const char *comma = c->pose ? strchr(c->pose, ',') : NULL;
+    char length[64];
+    const size_t size = comma ? (size_t)(comma - c->pose) : 0;
+    if (!c->pose) return MCV_OK;
+    if (!c->budget)
+        return mcv_fail(error, MCV_USAGE, "--pose is a cause of the budget: give --budget, too");
+    memcpy(length, c->pose, size < sizeof length ? size : 0);
+    length[size < sizeof length ? size : 0] = '\0';
+    if (comma && mcv_parse_quantity(length, MCV_PARAM_length, pose) &&
+        mcv_parse_quantity(comma + 1, MCV_PARAM_angle, pose + 1) && pose[0] >= 0 && pose[1] >= 0)
+        return MCV_OK;
+    return mcv_fail(error, MCV_USAGE,
+                    "--pose %s: must be D,A, standard uncertainties of a length and of an angle, "
+                    "as in 10um,0.005deg",
+                    c->pose);
 }
 
 /* The wavelength of the laser's light. */
@@ -95,6 +120,7 @@ mcv_result mcv_scan_begin(const mcv_command *command, const mcv_scene *scene, ui
                     .axis = command->line_across ? 0 : 1,
                     .budget = command->budget};
     MCV_TRY(check_options(command, error));
+    MCV_TRY(read_pose(command, s->pose, error));
     MCV_TRY(read_light(scene, s, error));
     MCV_TRY(mcv_filter_read(command, s, &s->filter, error));
     MCV_TRY(mcv_camera_check_settings(&s->camera, error));
@@ -103,7 +129,10 @@ mcv_result mcv_scan_begin(const mcv_command *command, const mcv_scene *scene, ui
     s->command.gain = s->command.read_noise = 0;
     for (int run = 0; run < MCV_SCAN_RUNS; ++run) {
         MCV_TRY(mcv_profiles_begin(&s->command, (mcv_texts){NULL, 0}, s->profiles + run, error));
-        s->profiles[run].count = (uint32_t)command->profile_count;
+        mcv_profiles *p = s->profiles + run;
+        p->count = (uint32_t)command->profile_count;
+        p->calibrated = p->calibrated && mcv_scan_runs[run].calibrated;
+        p->undistorted = p->undistorted && mcv_scan_runs[run].undistorted;
     }
     return read_head(scene, sensor, s, error);
 }

@@ -18,7 +18,8 @@ typedef struct mcv_scan_run {
     bool straight; /* by lasers whose lines do not bend */
     bool noise;    /* with photons, read noise and fixed pattern */
     bool speckle;
-    bool bits; /* with the camera's own bits, not 16 */
+    bool bits;                    /* with the camera's own bits, not 16 */
+    bool calibrated, undistorted; /* with heights by --calibration, by --distortion ignored */
 } mcv_scan_run;
 
 /* Runs of one render stand beside each other. */
@@ -28,6 +29,8 @@ enum {
     MCV_SCAN_NOISE,
     MCV_SCAN_SPECKLE,
     MCV_SCAN_BITS,
+    MCV_SCAN_CALIBRATED,
+    MCV_SCAN_UNDISTORTED,
     MCV_SCAN_AGAIN,
     MCV_SCAN_DIRECT,
     MCV_SCAN_STRAIGHT,
@@ -50,6 +53,7 @@ typedef struct mcv_scan {
     mcv_camera_model model;     /* owned: of the whole film */
     mcv_transform laser;        /* of its node, without scale */
     mcv_profiles profiles[MCV_SCAN_RUNS];
+    double pose[2];     /* standard uncertainties of the camera's place and turns [m, rad] */
     double locking;     /* root of the mean square of the places' error by peak locking [pixel] */
     uint32_t subpixels; /* along each side of a pixel */
     uint32_t axis;      /* of the image, across the line */

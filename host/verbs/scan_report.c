@@ -6,17 +6,23 @@
 
 /* --- the head --- */
 
-/* Where the light is that a place of the whole film sees, in the laser's coordinates. */
-static bool see(const mcv_scan *s, double along, double across, double at[3]) {
+/* Where the light is that a place of the whole film of a camera sees, in the laser's coordinates.
+ */
+static bool see_by(const mcv_scan *s, const mcv_camera_model *model, double along, double across,
+                   double at[3]) {
     const double place[2] = {s->axis ? along : across, s->axis ? across : along};
     const double *m = s->laser.m;
     double world[3];
-    if (!mcv_triangulate(&s->model, &s->laser, place, world)) return false;
+    if (!mcv_triangulate(model, &s->laser, place, world)) return false;
     for (int k = 0; k < 3; ++k) {
         at[k] = 0;
         for (int i = 0; i < 3; ++i) at[k] += m[3 * i + k] * (world[i] - m[9 + i]);
     }
     return true;
+}
+
+static bool see(const mcv_scan *s, double along, double across, double at[3]) {
+    return see_by(s, &s->model, along, across, at);
 }
 
 /* The height of the middle of the film between two places across the line; NaN where a ray does not
@@ -64,6 +70,47 @@ static double difference(const mcv_scan *s, int run, int other, double *largest)
     return sqrt(squares / sum);
 }
 
+/* --- the camera's pose --- */
+
+/* The camera, shifted along one of its axes by `step`, or from the fourth on turned about it. */
+static mcv_camera_model misplaced(const mcv_camera_model *model, int way, double step) {
+    mcv_camera_model moved = *model;
+    const int axis = way % 3, p = (axis + 1) % 3, q = (axis + 2) % 3;
+    if (way < 3) {
+        moved.translation[axis] += step;
+        return moved;
+    }
+    for (int k = 0; k < 4; ++k) {
+        double *a = k < 3 ? moved.rotation + 3 * p + k : moved.translation + p,
+               *b = k < 3 ? moved.rotation + 3 * q + k : moved.translation + q;
+        const double x = *a, y = *b;
+        *a = cos(step) * x - sin(step) * y;
+        *b = sin(step) * x + cos(step) * y;
+    }
+    return moved;
+}
+
+/* The root of the mean square of what the uncertain pose changes of the first profile's heights: by
+ * first order, for each of the six ways. */
+static double by_pose(const mcv_scan *s) {
+    const mcv_profiles *p = s->profiles + MCV_SCAN_CLEAN;
+    double squares = 0, count = 0;
+    for (uint32_t i = 0; i < p->length; ++i) {
+        if (p->points[i].line.state != MCV_LINE_SEEN) continue;
+        ++count;
+        for (int way = 0; way < 6; ++way) {
+            const double step = s->pose[way / 3];
+            const mcv_camera_model before = misplaced(&s->model, way, -step),
+                                   behind = misplaced(&s->model, way, step);
+            double a[3], b[3];
+            if (see_by(s, &before, i + 0.5, p->points[i].line.place, a) &&
+                see_by(s, &behind, i + 0.5, p->points[i].line.place, b))
+                squares += pow((b[2] - a[2]) / 2, 2);
+        }
+    }
+    return sqrt(squares / count);
+}
+
 /* --- what is told --- */
 
 static void report_budget(const mcv_scan *s, mcv_report *report) {
@@ -77,6 +124,8 @@ static void report_budget(const mcv_scan *s, mcv_report *report) {
         {"quantisation", difference(s, MCV_SCAN_BITS, MCV_SCAN_CLEAN, NULL)},
         {"multipath", difference(s, MCV_SCAN_CLEAN, MCV_SCAN_DIRECT, NULL)},
         {"bow", difference(s, MCV_SCAN_CLEAN, MCV_SCAN_STRAIGHT, NULL)},
+        {"calibration", difference(s, MCV_SCAN_CALIBRATED, MCV_SCAN_CLEAN, NULL)},
+        {"distortion", difference(s, MCV_SCAN_UNDISTORTED, MCV_SCAN_CLEAN, NULL)},
         {"render", render},
     };
     double squares = 0;
@@ -90,6 +139,7 @@ static void report_budget(const mcv_scan *s, mcv_report *report) {
     const double all = difference(s, MCV_SCAN_ALL, MCV_SCAN_IDEAL, NULL);
     mcv_report_number(report, "all_together", "m", sqrt(fmax(all * all - render * render, 0)));
     mcv_report_number(report, "peak_locking", "m", s->locking * height_of_pixel(s));
+    if (s->command.pose) mcv_report_number(report, "pose", "m", by_pose(s));
     mcv_report_close(report);
 }
 

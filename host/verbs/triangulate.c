@@ -5,7 +5,7 @@
 #include "core/basics.h"
 #include "core/output_file.h"
 #include "io/picture_header.h"
-#include "verbs/measure.h"
+#include "verbs/calibrate.h"
 
 #include <float.h>
 #include <math.h>
@@ -45,7 +45,9 @@ mcv_result mcv_profiles_begin(const mcv_command *command, mcv_texts images, mcv_
     for (size_t i = 0; i < command->profiles.count; ++i)
         MCV_TRY(check_file(command, command->profiles.items[i], images, error));
     p->moved = command->feed[0] != 0;
-    return MCV_OK;
+    p->calibrated = command->calibration != NULL;
+    p->undistorted = command->distortion_known != 0;
+    return mcv_light_plane_begin(command, p, error);
 }
 
 /* --- one image --- */
@@ -63,8 +65,7 @@ static void read_light(const mcv_exr *exr, mcv_aperture_shape *aperture,
     settings->wavelength = *wavelength;
 }
 
-/* A node of the header, without scale. */
-static mcv_result find_node(const mcv_subject *s, const char *name, const char *option,
+mcv_result mcv_subject_node(const mcv_subject *s, const char *name, const char *option,
                             mcv_transform *rigid, mcv_error *error) {
     const mcv_placement *node;
     mcv_error why = {""};
@@ -105,9 +106,9 @@ static bool are_equal(const mcv_transform *a, const mcv_transform *b, double rea
 static mcv_result place_laser(mcv_profiles *p, const mcv_subject *s, mcv_transform *laser,
                               mcv_transform *frame, mcv_error *error) {
     const mcv_command *c = p->command;
-    MCV_TRY(find_node(s, c->laser, "--laser", laser, error));
+    MCV_TRY(mcv_subject_node(s, c->laser, "--laser", laser, error));
     *frame = *laser;
-    if (c->frame) MCV_TRY(find_node(s, c->frame, "--frame", frame, error));
+    if (c->frame) MCV_TRY(mcv_subject_node(s, c->frame, "--frame", frame, error));
     const mcv_transform relative = c->frame ? in_axes_of(laser, frame) : mcv_transform_identity();
     double reach = 0;
     for (int k = 9; k < 12; ++k) reach += fabs(laser->m[k]) + fabs(frame->m[k]);
@@ -142,6 +143,7 @@ static mcv_result find_profile(mcv_profiles *p, mcv_subject *s, mcv_error *error
     const mcv_image *values = &s->readings.values;
     mcv_transform laser, frame;
     mcv_aperture_shape aperture;
+    if (p->undistorted && s->has_model) mcv_lens_map_forget(&s->model.lens);
     mcv_profile_settings settings = {
         .line = {.extractor = (int)c->extractor, .window = (uint32_t)c->line_window},
         .threshold_share = c->line_threshold,
@@ -152,6 +154,7 @@ static mcv_result find_profile(mcv_profiles *p, mcv_subject *s, mcv_error *error
     if (!s->picture->values) read_light(&s->picture->exr, &aperture, &settings);
     if (c->laser) {
         MCV_TRY(place_laser(p, s, &laser, &frame, error));
+        if (p->calibrated) laser = mcv_light_plane_turn(&p->plane, &s->model, &laser);
         settings.laser = &laser;
         settings.frame = &frame;
     }
@@ -172,7 +175,7 @@ static mcv_result find_profile(mcv_profiles *p, mcv_subject *s, mcv_error *error
     p->speckled = settings.contrast > 0 && s->has_model;
     p->noisy = s->noise != NULL;
     ++p->added;
-    return MCV_OK;
+    return c->calibrate ? mcv_light_plane_add(p, s, error) : MCV_OK;
 }
 
 mcv_result mcv_profiles_add(mcv_profiles *p, const mcv_picture *picture, mcv_error *error) {
@@ -231,6 +234,10 @@ void mcv_profiles_report(const mcv_profiles *p, mcv_report *report) {
     mcv_report_number(report, "line_sigma", "pixels", sigma / seen);
     mcv_report_number(report, "place_uncertainty", "pixels", rms_of(p, false));
     if (p->command->laser) report_heights(p, report);
+    mcv_light_plane_report(p, report);
 }
 
-void mcv_profiles_free(mcv_profiles *p) { free(p->points); }
+void mcv_profiles_free(mcv_profiles *p) {
+    free(p->points);
+    free(p->lit);
+}
