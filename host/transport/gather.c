@@ -12,20 +12,26 @@ enum {
     FIRST_CAPACITY = 1 << 12, /* entries of a tile: 8 x 8 pixels of 64 elements */
     UNIT_BITS = 72,
     MOST_BITS = 120,
-    READING_SHARE = 8 /* of the memory, for reading what is in the file */
+    READING_SHARE = 8, /* of the memory, for reading what is in the file */
+    DIGIT_BITS = 11,
+    AT_ONCE = 32 /* records whose entries are fetched together */
 };
 
 static size_t cells_of(const mcv_gather *g) { return (size_t)g->replicates * g->channels; }
 
-/* Bytes of tables for so many entries, and of their order. */
+/* Bytes of tables for so many entries, and of their order while they are sorted. */
 static size_t bytes_for(const mcv_gather *g, size_t capacity) {
-    return capacity * (2 * sizeof *g->slots + sizeof *g->keys + sizeof *g->order +
+    return capacity * (2 * sizeof *g->slots + sizeof *g->keys + 2 * sizeof *g->order +
                        cells_of(g) * sizeof *g->sums);
 }
 
-static size_t slot_for(const mcv_gather *g, const uint32_t *slots, size_t capacity, uint64_t key) {
+static size_t first_slot(size_t capacity, uint64_t key) {
     const uint64_t hash = key * 0x9e3779b97f4a7c15u;
-    size_t slot = (size_t)((hash ^ hash >> 32) & (2 * capacity - 1));
+    return (size_t)((hash ^ hash >> 32) & (2 * capacity - 1));
+}
+
+static size_t slot_for(const mcv_gather *g, const uint32_t *slots, size_t capacity, uint64_t key) {
+    size_t slot = first_slot(capacity, key);
     while (slots[slot] > 0 && g->keys[slots[slot] - 1] != key)
         slot = (slot + 1) & (2 * capacity - 1);
     return slot;
@@ -43,8 +49,11 @@ static mcv_result grow(mcv_gather *g, mcv_error *error) {
         free(slots);
         return mcv_fail(error, MCV_FAILED, "no memory for %zu entries of a matrix", capacity);
     }
-    for (size_t i = 0; i < g->count; ++i)
+    for (size_t i = 0; i < g->count; ++i) {
+        if (i + AT_ONCE < g->count)
+            __builtin_prefetch(slots + first_slot(capacity, g->keys[i + AT_ONCE]));
         slots[slot_for(g, slots, capacity, g->keys[i])] = (uint32_t)i + 1;
+    }
     free(g->slots);
     g->slots = slots;
     g->capacity = capacity;
@@ -73,16 +82,37 @@ mcv_result mcv_gather_new(mcv_gather *gather, uint32_t channels, uint32_t replic
 
 /* --- what leaves memory --- */
 
-static int by_key(const void *a, const void *b) {
-    const mcv_sorted_key *x = a, *y = b;
-    return (x->key > y->key) - (x->key < y->key);
+/* Moves entries from one array to another by a digit of their keys; those of equal digits keep
+ * their order. */
+static void sort_digit(const mcv_sorted_key *from, mcv_sorted_key *to, size_t count, int shift) {
+    enum { DIGITS = 1 << DIGIT_BITS };
+    size_t begins[DIGITS + 1] = {0};
+    for (size_t i = 0; i < count; ++i) ++begins[(from[i].key >> shift & (DIGITS - 1)) + 1];
+    for (int d = 0; d < DIGITS; ++d) begins[d + 1] += begins[d];
+    for (size_t i = 0; i < count; ++i) to[begins[from[i].key >> shift & (DIGITS - 1)]++] = from[i];
 }
 
+/* By the bits in which keys differ, from the lowest on. */
 static mcv_result sort_entries(mcv_gather *g, mcv_error *error) {
+    uint64_t differ = 0;
     g->order = malloc((g->count + 1) * sizeof *g->order);
-    if (!g->order) return mcv_fail(error, MCV_FAILED, "no memory for the order of entries");
-    for (size_t i = 0; i < g->count; ++i) g->order[i] = (mcv_sorted_key){g->keys[i], i};
-    qsort(g->order, g->count, sizeof *g->order, by_key);
+    mcv_sorted_key *other = malloc((g->count + 1) * sizeof *other);
+    if (!g->order || !other) {
+        free(other);
+        return mcv_fail(error, MCV_FAILED, "no memory for the order of entries");
+    }
+    for (size_t i = 0; i < g->count; ++i) {
+        g->order[i] = (mcv_sorted_key){g->keys[i], i};
+        differ |= g->keys[i] ^ g->keys[0];
+    }
+    for (int shift = 0; shift < 64 && differ >> shift; shift += DIGIT_BITS) {
+        if ((differ >> shift & ((1 << DIGIT_BITS) - 1)) == 0) continue;
+        sort_digit(g->order, other, g->count, shift);
+        mcv_sorted_key *sorted = other;
+        other = g->order;
+        g->order = sorted;
+    }
+    free(other);
     return MCV_OK;
 }
 
@@ -189,20 +219,47 @@ static bool brings_nothing(const mcv_gather *g, const uint32_t *record) {
     return bits << 1 == 0;
 }
 
+static uint64_t key_of(const mcv_gather *g, const uint32_t *record) {
+    return MCV_ENTRY_KEY(record[0] / g->replicates, record[1]);
+}
+
+/* Entries lie anywhere in memory: so many are on their way at the same time. */
+static void fetch(const mcv_gather *g, const uint32_t *records, const uint32_t *end, size_t words) {
+    uint32_t slots[AT_ONCE];
+    size_t count = 0;
+    for (const uint32_t *r = records; r < end; r += words)
+        __builtin_prefetch(g->slots + first_slot(g->capacity, key_of(g, r)));
+    for (const uint32_t *r = records; r < end; r += words)
+        slots[count++] = g->slots[first_slot(g->capacity, key_of(g, r))];
+    for (size_t i = 0; i < count; ++i, records += words) {
+        if (slots[i] == 0) continue;
+        __builtin_prefetch(g->keys + slots[i] - 1);
+        __builtin_prefetch(g->sums + (slots[i] - 1) * cells_of(g) +
+                           (records[0] % g->replicates) * g->channels);
+    }
+}
+
+static mcv_result add_record(mcv_gather *g, const uint32_t *record, mcv_error *error) {
+    size_t entry;
+    if (brings_nothing(g, record)) return MCV_OK;
+    MCV_TRY(find_entry(g, key_of(g, record), &entry, error));
+    mcv_wide *sums = g->sums + entry * cells_of(g) + (record[0] % g->replicates) * g->channels;
+    for (uint32_t c = 0; c < g->channels; ++c) {
+        float value;
+        memcpy(&value, record + 2 + c, sizeof value);
+        MCV_TRY(add_value(g, sums + c, value, error));
+    }
+    return MCV_OK;
+}
+
 mcv_result mcv_gather_add(void *user, const uint32_t *records, size_t count, mcv_error *error) {
     mcv_gather *g = user;
     const size_t words = MCV_RECORD_WORDS(g->channels);
-    for (const uint32_t *end = records + count * words; records < end; records += words) {
-        if (brings_nothing(g, records)) continue;
-        const uint64_t key = MCV_ENTRY_KEY(records[0] / g->replicates, records[1]);
-        size_t entry;
-        MCV_TRY(find_entry(g, key, &entry, error));
-        mcv_wide *sums = g->sums + entry * cells_of(g) + (records[0] % g->replicates) * g->channels;
-        for (uint32_t c = 0; c < g->channels; ++c) {
-            float value;
-            memcpy(&value, records + 2 + c, sizeof value);
-            MCV_TRY(add_value(g, sums + c, value, error));
-        }
+    for (size_t first = 0; first < count; first += AT_ONCE) {
+        const size_t some = count - first < AT_ONCE ? count - first : AT_ONCE;
+        const uint32_t *record = records + first * words, *end = record + some * words;
+        fetch(g, record, end, words);
+        for (; record < end; record += words) MCV_TRY(add_record(g, record, error));
     }
     return MCV_OK;
 }

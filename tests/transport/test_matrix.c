@@ -317,7 +317,7 @@ static void test_files_take_what_memory_has_no_room_for(void **state) {
     }
 }
 
-/* Too little for 4096 entries of 224 bytes is refused at once; too little for the matrix, 18000
+/* Too little for 4096 entries of 240 bytes is refused at once; too little for the matrix, 18000
  * entries of 28 bytes, when it is known. */
 static void test_memory_is_bounded(void **state) {
     static uint32_t records[RECORDS * WORDS];
@@ -325,13 +325,13 @@ static void test_memory_is_bounded(void **state) {
     mcv_matrix matrix;
     (void)state;
     assert_int_equal(
-        mcv_gather_new(&gather, CHANNELS, REPLICATES, 1, (size_t)4096 * 224 - 1, &error),
+        mcv_gather_new(&gather, CHANNELS, REPLICATES, 1, (size_t)4096 * 240 - 1, &error),
         MCV_BAD_INPUT);
     if (!strstr(error.text, "--memory") || !strstr(error.text, "tile"))
         fail_msg("\"%s\" must name --memory and a tile", error.text);
     make_records(records);
     tell_apart(records);
-    WELL(mcv_gather_new(&gather, CHANNELS, REPLICATES, 1, (size_t)4096 * 224, &error));
+    WELL(mcv_gather_new(&gather, CHANNELS, REPLICATES, 1, (size_t)4096 * 240, &error));
     WELL(mcv_gather_add(&gather, records, RECORDS, &error));
     gather.most_bytes = 400000;
     error.text[0] = '\0';
