@@ -40,23 +40,38 @@ static mcv_result show(const work *w, const char *key, const mcv_transport *tran
     return result;
 }
 
-/* The same of the matrix in a file. */
-static mcv_result show_file(const work *w, const char *key, const char *matrix, const char *path,
-                            mcv_report *report, mcv_error *error) {
-    mcv_transport *read;
-    MCV_TRY(mcv_transport_read(matrix, &read, error));
-    const mcv_result result = show(w, key, read, path, report, error);
-    mcv_transport_free(read);
-    return result;
+/* The matrix of a file, whose image must have the places of the flawless part's. */
+static mcv_result read_other(const char *path, const mcv_matrix *flawless, mcv_transport **other,
+                             mcv_error *error) {
+    if (!path) return MCV_OK;
+    MCV_TRY(mcv_transport_read(path, other, error));
+    const mcv_matrix *m = &(*other)->matrix;
+    if (m->width == flawless->width && m->height == flawless->height &&
+        m->channels == flawless->channels)
+        return MCV_OK;
+    return mcv_fail(
+        error, MCV_BAD_INPUT,
+        "%s: is of another set-up: its image has %u x %u pixels of %u channels, that of "
+        "the pattern's matrix %u x %u of %u",
+        path, m->width, m->height, m->channels, flawless->width, flawless->height,
+        flawless->channels);
 }
 
 static mcv_result show_all(const work *w, const mcv_transport *transport, mcv_report *report,
                            mcv_error *error) {
     const mcv_command *c = w->command;
-    mcv_inverse_report(&w->inverse, &w->picture, report);
-    MCV_TRY(c->good ? show_file(w, "good_part", c->good, c->good_image, report, error)
-                    : show(w, "good_part", transport, c->good_image, report, error));
-    return c->bad ? show_file(w, "defective_part", c->bad, c->bad_image, report, error) : MCV_OK;
+    mcv_transport *good = NULL, *bad = NULL;
+    mcv_result result = read_other(c->good, &transport->matrix, &good, error);
+    if (result == MCV_OK) result = read_other(c->bad, &transport->matrix, &bad, error);
+    if (result == MCV_OK) {
+        mcv_inverse_report(&w->inverse, &w->picture, report);
+        result = show(w, "good_part", good ? good : transport, c->good_image, report, error);
+    }
+    if (result == MCV_OK && bad)
+        result = show(w, "defective_part", bad, c->bad_image, report, error);
+    mcv_transport_free(good);
+    mcv_transport_free(bad);
+    return result;
 }
 
 static mcv_result tell(const work *w, const mcv_transport *transport, char **report,

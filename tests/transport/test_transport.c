@@ -4,6 +4,7 @@
 #include "transport.h"
 
 #include <math.h>
+#include <unistd.h>
 
 /* --- a telecentric projector that looks into a telecentric camera --- */
 
@@ -59,7 +60,8 @@ static void test_overlap_of_pixels(void **state) {
     write_grey(ACROSS, DOWN);
     mcv_session *session = open_session(NULL);
     mcv_rig *rig = open_text("transport-facing.gltf", facing_rig);
-    mcv_transport *transport = transport_of(session, rig, "{\"spp\": 16384}");
+    mcv_transport *transport =
+        transport_of(session, rig, "{\"spp\": 16384, \"output\": \"transport-facing.npz\"}");
     const mcv_matrix_entries e = entries_of(transport);
     assert_int_equal(e.element_count, ACROSS * DOWN);
     assert_int_equal(e.row_count, COLUMNS * ROWS);
@@ -225,6 +227,11 @@ static void refuse(mcv_session *session, const mcv_rig *rig) {
           mcv_transport_relight(transport, NULL, 0, "{\"fit\": \"contrast\"}", &picture, NULL,
                                 &error));
     refuse_sequences(transport);
+    FAILS(MCV_BAD_INPUT, "is of another set-up: its image has 12 x 10 pixels",
+          mcv_transport_inverse(
+              transport, "{\"good_image\": \"good.exr\", \"defect\": \"transport-facing.npz\"}",
+              &picture, NULL, &error));
+    assert_true(access("good.exr", F_OK) != 0);
     mcv_transport_free(transport);
 }
 
