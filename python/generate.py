@@ -231,7 +231,7 @@ RIG_VERBS = [
         "deflectometry",
         "deflectometry",
         "Shows fringes on a screen to a mirroring part: its heights [m] as an image with errors;\n"
-        "part() gives slopes, places on the screen and modulation, stats the report.\n\n"
+        "part() gives slopes, places on the screen and modulation, `report` the figures.\n\n"
         + PROGRESS.replace(", with the picture so far", ""),
         "progress: ProgressOption = None; session: Optional[Session] = None",
         "Image",
@@ -242,7 +242,7 @@ RIG_VERBS = [
         "scan",
         "Renders the profiles of a laser head that moves over a part, exposes them with speckle\n"
         "and noise: the heights [m] as an image with errors, a row for each profile; part() gives\n"
-        "x, y, place and mask, stats the report, with `budget` also that of the errors.\n\n"
+        "x, y, place and mask, `report` the figures, with `budget` also those of the errors.\n\n"
         + PROGRESS.replace(", with the picture so far", ""),
         "progress: ProgressOption = None; session: Optional[Session] = None",
         "Image",
@@ -282,8 +282,8 @@ RIG_VERBS = [
         "The probability of detection of an experiment, whose sets are rendered first: from which\n"
         "size on are defects found? Each set has noise of its own.\n\n"
         "vary: paths and their values: a list, mcvisi.linear(first, last, count) or mcvisi.log.\n"
-        "study: options of mcvisi.pod_table, as in {\"size\": \"depth\", \"signal\": \"contrast\",\n"
-        "    \"threshold\": 5}.\n"
+        'study: options of mcvisi.pod_table, as in {"size": "depth", "signal": "contrast",\n'
+        '    "threshold": 5}.\n'
         "progress: None for a bar in a terminal or notebook, False for none.\n"
         "session: the Session to use, by default one for all.",
         'vary: "Mapping[str, Values]"; study: Mapping[str, Any]; '
@@ -291,6 +291,15 @@ RIG_VERBS = [
         "Detection",
         "return self._pod(vary, study, progress, session, options)",
         without="vary rig fingerprint pod noise",
+    ),
+    Verb(
+        "warm",
+        "warm",
+        "Compiles the OpenCL programs that renders of this rig need, unless they are there, so that\n"
+        "renders begin at once. Returns of each sensor its programs: name, seconds, features.",
+        "session: Optional[Session] = None",
+        "List[Mapping[str, Any]]",
+        "return self._warm(session, options)",
     ),
     Verb(
         "explain",
@@ -385,7 +394,7 @@ IMAGE_VERBS = [
         "detect",
         "detect",
         "How well a camera can tell the defect in this image from its noise: detectability and\n"
-        "contrast. `without` is the same scene without it; both need parts=\"replicates\".",
+        'contrast. `without` is the same scene without it; both need parts="replicates".',
         "without: Image",
         "Mapping[str, Any]",
         "return self._detect(without, options)",
@@ -440,6 +449,17 @@ FUNCTIONS = [
         "films: Sequence[Path]",
         "Image",
         "from mcvisi.image import merged\n\nreturn merged(films, options)",
+        without="force",
+    ),
+    Verb(
+        "merge_tables",
+        "merge",
+        "Joins the tables of parts of a sweep (its option `range`), in any order, into the table\n"
+        "`output`. Returns how many tables and rows there were.",
+        "tables: Sequence[Path]; output: Path",
+        "Mapping[str, Any]",
+        "from mcvisi.sweep import merged_tables\n\nreturn merged_tables(tables, output, options)",
+        only="force",
     ),
     Verb(
         "triangulate",
@@ -480,7 +500,7 @@ HEAD = NOTICE + '''"""The functions with options, from the program's lists."""
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING, Any, Dict, Literal, Mapping, Optional, Sequence, Union
+from typing import TYPE_CHECKING, Any, Dict, List, Literal, Mapping, Optional, Sequence, Union
 
 if TYPE_CHECKING:
     from mcvisi.detection import Detection

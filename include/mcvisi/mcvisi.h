@@ -111,16 +111,16 @@ MCV_API const char *mcv_version(void);
 /* Frees a text that the library has made. */
 MCV_API void mcv_text_free(char *text);
 
-/* The JSON schema (draft 4) of the options of a verb: "render", "new", "check", "trace", "compare",
- * "camera", "camera-model", "measure", "sweep", "uncertainty", "optimize", "pod", "merge",
- * "lightfield", "import", "defect", "detect". MCV_USAGE for others. */
+/* The JSON schema (draft 4) of the options of a verb of the program, by its name there: "render",
+ * "camera-model" … MCV_USAGE for what is no verb. The list of verbs and functions is in
+ * docs/library.md. */
 MCV_API mcv_result mcv_options_schema(const char *verb, char **schema, mcv_error *error);
 
 /*
  * The OpenCL devices, as {"devices": [{"number": 0, "name": …, "type": "cpu", "version": …}, …]}:
  * what the option `device` takes. The list is empty where there is no OpenCL, and "message" says
- * why; the device "reference", the
- * independent renderer on the CPU, is always there and not listed.
+ * why. The device "reference", the independent renderer on the CPU, is always there and not
+ * listed.
  */
 MCV_API mcv_result mcv_devices(char **report, mcv_error *error);
 
@@ -360,8 +360,8 @@ MCV_API mcv_result mcv_session_pod(mcv_session *session, const mcv_rig *rig, con
 /* --- defects --- */
 
 /*
- * Puts a defect of this type ("dent", "bump", "scratch") onto the surface of a node, or ("bubble",
- * "inclusion", "stria") inside of it. Options are
+ * Puts a defect onto the surface of a node, or inside of it. Its type is one of those of `mcvisi
+ * defect`, such as "dent" or "bubble". Options are
  * those of `mcvisi defect` without "output". *report: {"defect", "type", "node", "position",
  * "normal", "size", "depth", "triangles" of the scene then}, with what is odd about it as notes.
  * MCV_BAD_INPUT where it lies off the surface or reaches round an edge.

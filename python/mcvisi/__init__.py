@@ -13,15 +13,25 @@ Lengths are in metres, angles in radians, times in seconds, unless a text gives 
 Failures are exceptions with one sentence: mcvisi.Error and its classes.
 """
 
-from mcvisi._verbs import import_lens, merge, new, pod_table, pod_values, triangulate
+from mcvisi._verbs import (
+    import_lens,
+    merge,
+    merge_tables,
+    new,
+    pod_table,
+    pod_values,
+    triangulate,
+)
 from mcvisi._version import __version__
+from mcvisi import examples
 from mcvisi.detection import Detection
 from mcvisi.errors import BadInput, DeviceError, Error, PathError, UsageError
 from mcvisi.findings import Finding, Findings
+from mcvisi.group import Group
 from mcvisi.image import Comparison, Image, compare, read
 from mcvisi.measurement import Figures, Measurement, Value
 from mcvisi.options import linear, log
-from mcvisi.rig import Group, Rig
+from mcvisi.rig import Rig
 from mcvisi.rigs import load
 from mcvisi.session import Progress, Session, devices
 from mcvisi.optimization import Optimization
@@ -55,11 +65,13 @@ __all__ = [
     "__version__",
     "compare",
     "devices",
+    "examples",
     "import_lens",
     "linear",
     "load",
     "log",
     "merge",
+    "merge_tables",
     "new",
     "pod_table",
     "pod_values",

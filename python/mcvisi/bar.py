@@ -114,7 +114,7 @@ class Bar:
     @staticmethod
     def of_sweep(option: Any) -> Any:
         """The bar of a sweep, or None for nothing."""
-        if option not in (None, False):
+        if option is not None and option is not False:
             raise UsageError("progress: must be None or False: loop over the sweep for more")
         return None if option is False else Bar._usual()
 

@@ -6,7 +6,7 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING, Any, Mapping
 
-from mcvisi.errors import UsageError
+from mcvisi.errors import Error, UsageError
 from mcvisi.library import ffi, json_of, path_bytes
 from mcvisi.options import Path, options_json
 from mcvisi.sweep import Sweep
@@ -36,6 +36,12 @@ def _numbers(values: Any, what: str) -> Any:
     return numbers
 
 
+def _truth(value: Any, what: str) -> bool:
+    if getattr(value, "shape", ()) != ():
+        raise UsageError("%s: must be True or False" % what)
+    return bool(value)
+
+
 def values_report(
     sizes: Any, values: Any, hits: bool, options: Mapping[str, Any]
 ) -> Mapping[str, Any]:
@@ -48,7 +54,7 @@ def values_report(
         ffi.from_buffer("double[]", x),
         ffi.from_buffer("double[]", y),
         len(x),
-        bool(hits),
+        _truth(hits, "hits"),
         options_json(options),
     )
     return found
@@ -84,4 +90,7 @@ class Detection(Sweep):
     @property
     def answer(self) -> str:
         """From which size on defects are found, in a sentence; waits for the end."""
-        return str(self._end()["answer"])
+        found = self._result()
+        if "answer" not in found:
+            raise Error("the study was ended before its last set: there is no answer")
+        return str(found["answer"])

@@ -3,7 +3,7 @@
 
 from __future__ import annotations
 
-from typing import Dict, Type
+from typing import Dict, Iterable, Type
 
 
 class Error(Exception):
@@ -31,10 +31,16 @@ class DeviceError(Error, RuntimeError):
 
 
 class PathError(BadInput, KeyError):
-    """A path that the scene does not have: what `rig[path]` raises."""
+    """A path that the scene does not have, or a name that a result does not have: what
+    `rig[path]` and `result[name]` raise."""
 
     # KeyError would put the sentence into quotes.
     __str__ = Exception.__str__
+
+
+def unknown_name(what: str, name: object, known: Iterable[str]) -> PathError:
+    """The exception for a name that a result does not have."""
+    return PathError("%s has no %r; it has %s" % (what, name, ", ".join(known) or "nothing"))
 
 
 _CLASSES: Dict[int, Type[Error]] = {c.code: c for c in (Error, UsageError, BadInput, DeviceError)}

@@ -24,8 +24,11 @@ class Findings(List[Finding]):
     """The findings of a scene. report: all that was understood of it, in SI units."""
 
     def __init__(self, report: Mapping[str, Any]) -> None:
-        super().__init__(
-            Finding(f["severity"], f.get("path") or "", f["text"]) for f in report["findings"]
+        # `strict` finds what is wrong with the file, and looks at nothing else.
+        super().__init__(Finding("error", f["path"], f["text"]) for f in report.get("strict", ()))
+        self += (
+            Finding(f["severity"], f.get("path") or "", f["text"])
+            for f in report.get("findings", ())
         )
         self.report = report
 

@@ -21,7 +21,7 @@ from mcvisi.library import (
     take_text,
 )
 from mcvisi.measurement import Measurement
-from mcvisi.options import Path, options_json
+from mcvisi.options import Path, listed, options_json
 
 if TYPE_CHECKING:
     import tempfile
@@ -65,6 +65,8 @@ def _planes(values: Any, what: str) -> Any:
     import numpy
 
     try:
+        if numpy.iscomplexobj(values):
+            raise TypeError("these are complex")
         array = numpy.asarray(values, dtype=numpy.float32)
     except (TypeError, ValueError) as error:
         raise UsageError("%s: must be an array of numbers: %s" % (what, error)) from None
@@ -148,6 +150,19 @@ class Image(ImageVerbs, Handle):
         """(rows, columns) or (rows, columns, channels)."""
         shape: Tuple[int, ...] = self.__array_interface__["shape"]
         return shape
+
+    @property
+    def dtype(self) -> "numpy.dtype[Any]":
+        """float32."""
+        kind: "numpy.dtype[Any]" = self.array.dtype
+        return kind
+
+    def __len__(self) -> int:
+        return self.shape[0]
+
+    def __getitem__(self, key: Any) -> Any:
+        """Values by numpy's rules: image[row, column], image[10:20], image[mask]."""
+        return self.array[key]
 
     @property
     def parts(self) -> List[str]:
@@ -319,7 +334,7 @@ def _rig(rig: Any) -> Any:
 
 def merged(films: Sequence[Path], options: Mapping[str, Any]) -> Image:
     """The image of parts of a render."""
-    names = [ffi.new("char[]", path_bytes(film, "films")) for film in films]
+    names = [ffi.new("char[]", path_bytes(film, "films")) for film in listed(films)]
     picture, report = ffi.new("mcv_picture **"), ffi.new("char **")
     files = ffi.new("char *[]", names)
     call("mcv_films_merge", files, len(names), options_json(options), picture, report)

@@ -5,13 +5,16 @@ from __future__ import annotations
 
 import glob
 import json
+import keyword
 import os
+import re
 import threading
 from typing import Any
 
 from mcvisi._abi import ffi as ffi
 from mcvisi.errors import Error, UsageError, error_of
 from mcvisi.opencl import find_opencl
+from mcvisi.options import PLURALS
 
 _lock = threading.Lock()
 _library: Any = None
@@ -44,10 +47,27 @@ def library() -> Any:
     return _library
 
 
+# An option of the program; command lines are left as they are.
+_OPTION = re.compile(r"`mcvisi[^`]*`|(?<![\w-])--([a-z](?:[a-z-]*[a-z])?)(?![\w-])")
+
+
+def _option(found: "re.Match[str]") -> str:
+    name = found[1]
+    if name is None:
+        return found[0]
+    words = name.replace("-", "_")
+    return words + "_" if keyword.iskeyword(words) else PLURALS.get(name, words)
+
+
+def in_python(sentence: str) -> str:
+    """The program's sentence, in which options are called as in Python."""
+    return _OPTION.sub(_option, sentence)
+
+
 def check(code: int, error: Any) -> None:
     """Raises what the library said."""
     if code:
-        raise error_of(code, ffi.string(error.text).decode("utf-8", "replace"))
+        raise error_of(code, in_python(ffi.string(error.text).decode("utf-8", "replace")))
 
 
 def call(name: str, *arguments: Any) -> None:
@@ -78,10 +98,13 @@ def json_of(name: str, *arguments: Any) -> Any:
     return json.loads(text_of(name, *arguments))
 
 
-def utf8(text: str, what: str) -> bytes:
+def utf8(text: Any, what: str) -> bytes:
     """A text for the library."""
+    if not isinstance(text, str):
+        raise UsageError("%s: must be a text, not %s" % (what, type(text).__name__))
     try:
-        return text.encode()
+        words: bytes = text.encode()
+        return words
     except UnicodeEncodeError:
         raise UsageError("%s: %r is no text that UTF-8 has" % (what, text)) from None
 
@@ -115,6 +138,9 @@ class Handle:
         if pointer is None:
             raise UsageError("this %s is closed" % self._what)
         return pointer
+
+    def __reduce__(self) -> Any:
+        raise UsageError("a %s cannot be copied or pickled" % self._what)
 
 
 def new_pointer(kind: str, name: str, *arguments: Any) -> Any:

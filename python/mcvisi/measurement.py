@@ -7,7 +7,7 @@ import html
 import math
 from typing import Any, Dict, Iterator, List, Mapping, Optional, Union
 
-from mcvisi.errors import UsageError
+from mcvisi.errors import UsageError, unknown_name
 
 # How a length is shown, from the first that is not larger than it; the others are for to().
 _LENGTHS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "nm": 1e-9, "cm": 1e-2, "inch": 0.0254}
@@ -67,7 +67,7 @@ def value_text(value: float, uncertainty: float) -> str:
 class Value:
     """
     A measured value: value and standard uncertainty in the unit, which is of the SI, "px" or the
-    image's. Shown as 12.3456(21) mm. float() is the value.
+    image's. Shown as 12.3456(21) mm. float() is the value, and a format such as "{:.3g}" its own.
     """
 
     __slots__ = ("value", "uncertainty", "unit")
@@ -78,10 +78,13 @@ class Value:
     def __float__(self) -> float:
         return self.value
 
+    def __format__(self, words: str) -> str:
+        return format(self.value, words) if words else str(self)
+
     def to(self, unit: str) -> "Value":
         """The same in another unit: value.to("mm"), angle.to("deg")."""
         known = _UNITS.get(self.unit, {self.unit: 1.0})
-        if unit not in known:
+        if not isinstance(unit, str) or unit not in known:
             raise UsageError(
                 "a value in %r is not known in %r; there are %s"
                 % (self.unit, unit, ", ".join(known))
@@ -198,6 +201,8 @@ class Measurement(Mapping[str, Figures]):
                 target.report.setdefault(key, value)
 
     def __getitem__(self, name: str) -> Figures:
+        if name not in self._figures:
+            raise unknown_name("this measurement", name, self)
         return self._figures[name]
 
     def __iter__(self) -> Iterator[str]:

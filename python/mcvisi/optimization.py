@@ -23,11 +23,11 @@ class Optimization(Sweep):
         Of one objective: "parameters" in SI units, "objectives" with "value" and "uncertainty",
         the 95 % "interval", what the search had seen ("in_search"), and "as_good_within".
         """
-        found: Mapping[str, Any] = self._end().get("winner", {})
+        found: Mapping[str, Any] = self._result().get("winner", {})
         return found
 
     @property
     def front(self) -> List[Mapping[str, Any]]:
         """Of several objectives: points of which none is better in all."""
-        found: List[Mapping[str, Any]] = self._end().get("front", [])
+        found: List[Mapping[str, Any]] = self._result().get("front", [])
         return found

@@ -4,10 +4,11 @@
 from __future__ import annotations
 
 import json
+import operator
 import os
 from typing import Any, List, Mapping, Sequence, Tuple, Union
 
-from mcvisi.errors import UsageError
+from mcvisi.errors import BadInput, UsageError
 
 # A number in SI units, or a text with a unit: "10ms".
 Quantity = Union[float, str]
@@ -107,8 +108,11 @@ REPEATED = {
 }
 
 
+PLURALS = {option: name for option, (name, _) in REPEATED.items()}
+
+
 def _value(option: str, value: Any) -> Any:
-    name = REPEATED[option][0] if option in REPEATED else option.replace("-", "_")
+    name = PLURALS.get(option) or option.replace("-", "_")
     if option in REPEATED:
         return _named(value, name, REPEATED[option][1])
     if option == "output" and _is_list(value):
@@ -120,6 +124,28 @@ def _value(option: str, value: Any) -> Any:
     if _is_list(value):
         return joined(value, name)
     return _plain(value, name)
+
+
+def _jsonable(value: Any) -> Any:
+    """numpy's numbers and arrays as Python's."""
+    if hasattr(value, "tolist"):
+        return value.tolist()
+    if isinstance(value, os.PathLike):
+        return os.fspath(value)
+    raise TypeError
+
+
+def value_json(path: str, value: Any) -> bytes:
+    """The JSON of a value of a scene."""
+    try:
+        return json.dumps(value, default=_jsonable, allow_nan=False).encode()
+    except (TypeError, RecursionError):
+        raise UsageError(
+            "%s: a scene has numbers, texts, lists and dictionaries, not %s"
+            % (path, type(value).__name__)
+        ) from None
+    except ValueError:
+        raise BadInput("%s: must be a finite number" % path) from None
 
 
 def options_json(options: Mapping[str, Any]) -> bytes:
@@ -136,7 +162,10 @@ def options_json(options: Mapping[str, Any]) -> bytes:
 
 def linear(first: Quantity, last: Quantity, count: int) -> str:
     """`count` values from first to last, evenly spaced: what a sweep varies."""
-    return "%s..%s:%d" % (_text(first, "first"), _text(last, "last"), count)
+    try:
+        return "%s..%s:%d" % (_text(first, "first"), _text(last, "last"), operator.index(count))
+    except TypeError:
+        raise UsageError("count: must be a whole number, not %s" % type(count).__name__) from None
 
 
 def log(first: Quantity, last: Quantity, count: int) -> str:

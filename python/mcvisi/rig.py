@@ -14,6 +14,7 @@ from mcvisi._verbs import RigVerbs
 from mcvisi.bar import Bar
 from mcvisi.errors import BadInput, PathError, UsageError
 from mcvisi.findings import Findings
+from mcvisi.group import Group
 from mcvisi.library import (
     Handle,
     call,
@@ -26,7 +27,7 @@ from mcvisi.library import (
     text_of,
     utf8,
 )
-from mcvisi.options import Path, joined, options_json
+from mcvisi.options import Path, joined, options_json, value_json
 from mcvisi.session import ProgressOption, Session, session_of
 
 if TYPE_CHECKING:
@@ -41,27 +42,6 @@ if TYPE_CHECKING:
 _SHOWN_NAMES = 6
 
 
-def _jsonable(value: Any) -> Any:
-    """numpy's numbers and arrays as Python's."""
-    if hasattr(value, "tolist"):
-        return value.tolist()
-    if isinstance(value, os.PathLike):
-        return os.fspath(value)
-    raise TypeError
-
-
-def _value_json(path: str, value: Any) -> bytes:
-    try:
-        return json.dumps(value, default=_jsonable, allow_nan=False).encode()
-    except TypeError:
-        raise UsageError(
-            "%s: a scene has numbers, texts, lists and dictionaries, not %s"
-            % (path, type(value).__name__)
-        ) from None
-    except ValueError:
-        raise BadInput("%s: must be a finite number" % path) from None
-
-
 def _path_bytes(path: Any) -> bytes:
     if not isinstance(path, str):
         raise UsageError(
@@ -71,45 +51,6 @@ def _path_bytes(path: Any) -> bytes:
     if "\0" in path:
         raise PathError("a path of a scene has no NUL character")
     return utf8(path, "a path of a scene")
-
-
-class Group:
-    """A part of a rig, whose members are attributes: rig.sensors.camera.fNumber = 8."""
-
-    __slots__ = ("_rig", "_path")
-
-    def __init__(self, rig: "Rig", path: str) -> None:
-        object.__setattr__(self, "_rig", rig)
-        object.__setattr__(self, "_path", path)
-
-    def __getitem__(self, key: str) -> Any:
-        return self._rig._member("%s/%s" % (self._path, key))
-
-    def __setitem__(self, key: str, value: Any) -> None:
-        self._rig["%s/%s" % (self._path, key)] = value
-
-    def __getattr__(self, name: str) -> Any:
-        if name.startswith("__"):
-            raise AttributeError(name)
-        try:
-            return self[name]
-        except PathError as error:
-            raise AttributeError(str(error)) from None
-
-    def __setattr__(self, name: str, value: Any) -> None:
-        self[name] = value
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._rig._children(self._path))
-
-    def __dir__(self) -> List[str]:
-        return [name for name in self if name.isidentifier()]
-
-    def _ipython_key_completions_(self) -> List[str]:
-        return list(self)
-
-    def __repr__(self) -> str:
-        return "%s: %s" % (self._path, json.dumps(self._rig[self._path], indent=2))
 
 
 class Rig(RigVerbs, Handle):
@@ -130,7 +71,7 @@ class Rig(RigVerbs, Handle):
 
     def __init__(self, document: Mapping[str, Any], folder: Optional[Path] = None) -> None:
         """A rig from its JSON document. File names in it are relative to `folder`."""
-        words = _value_json("document", document)
+        words = value_json("document", document)
         self._own(
             new_pointer(
                 "mcv_rig",
@@ -177,7 +118,7 @@ class Rig(RigVerbs, Handle):
         name = _path_bytes(path)
         with self._lock:
             try:
-                call("mcv_rig_set", self._get(), name, _value_json(path, value))
+                call("mcv_rig_set", self._get(), name, value_json(path, value))
             except BadInput as error:
                 raise PathError(str(error)) from None
 
@@ -207,13 +148,26 @@ class Rig(RigVerbs, Handle):
         return Group(self, path) if isinstance(value, dict) else value
 
     def __getattr__(self, name: str) -> Any:
-        if name.startswith("_") or self._pointer is None:
+        if name.startswith("_"):
             raise AttributeError("%r object has no attribute %r" % (type(self).__name__, name))
+        if self._pointer is None:
+            raise AttributeError("this rig is closed")
         if name not in self._children(""):
             raise AttributeError(
                 "a rig has no %r; this one has %s" % (name, ", ".join(self._children("")))
             )
         return Group(self, name)
+
+    if not TYPE_CHECKING:
+
+        def __setattr__(self, name: str, value: Any) -> None:
+            """Refuses what would change nothing in the scene."""
+            if not (name.startswith("_") or name == "report" or hasattr(type(self), name)):
+                raise AttributeError(
+                    "rig.%s cannot be set: a value of the scene is set by its path, as in "
+                    'rig["sensors/camera/fNumber"] = 8' % name
+                )
+            object.__setattr__(self, name, value)
 
     def __dir__(self) -> List[str]:
         names = [] if self._pointer is None else self._children("")
@@ -316,6 +270,17 @@ class Rig(RigVerbs, Handle):
         except BaseException as error:
             self.interrupted = getattr(error, "image", None)
             raise
+
+    def _warm(
+        self, session: Optional[Session], options: Mapping[str, Any]
+    ) -> List[Mapping[str, Any]]:
+        rig, used = self._snapshot(), session_of(session)
+        with used._used() as pointer:
+            words = options_json(options)
+            programs: List[Mapping[str, Any]] = json_of("mcv_session_warm", pointer, rig, words)[
+                "programs"
+            ]
+        return programs
 
     def _explain(
         self, pixel: Any, session: Optional[Session], options: Mapping[str, Any]

@@ -10,7 +10,18 @@ import sys
 import threading
 import time
 import warnings
-from typing import TYPE_CHECKING, Any, Callable, Iterator, List, Literal, Mapping, Optional, Type, Union
+from typing import (
+    TYPE_CHECKING,
+    Any,
+    Callable,
+    Iterator,
+    List,
+    Literal,
+    Mapping,
+    Optional,
+    Type,
+    Union,
+)
 
 from mcvisi import opencl
 from mcvisi.errors import DeviceError, Error, UsageError

@@ -12,10 +12,10 @@ import weakref
 from typing import TYPE_CHECKING, Any, Dict, Iterator, List, Mapping, Optional
 
 from mcvisi.bar import Bar, SetsDone
-from mcvisi.errors import Error, UsageError
-from mcvisi.library import call, ffi, take_text
+from mcvisi.errors import Error, UsageError, unknown_name
+from mcvisi.library import call, ffi, json_of, path_bytes, take_text
 from mcvisi.measurement import Value, unit_of
-from mcvisi.options import joined
+from mcvisi.options import Path, joined, listed, options_json
 from mcvisi.work import Job
 
 if TYPE_CHECKING:
@@ -43,7 +43,10 @@ class Row(Mapping[str, Any]):
         self.message: Optional[str] = report.get("message") or None
 
     def __getitem__(self, name: str) -> Any:
-        return self.metrics[name] if name in self.metrics else self.parameters[name]
+        for found in (self.metrics, self.parameters):
+            if name in found:
+                return found[name]
+        raise unknown_name("this set", name, self)
 
     def __iter__(self) -> Iterator[str]:
         yield from self.parameters
@@ -94,7 +97,7 @@ class Sweep:
         self._rows: List[Row] = []
         self._job: Optional[Job] = None
         self._ended = False
-        self._failure: Optional[BaseException] = None  # to be raised again
+        self._failure: Optional[BaseException] = None
         self._lock = threading.Lock()
         #: What is odd in the scene, in sentences.
         self.notes: List[str] = []
@@ -155,7 +158,10 @@ class Sweep:
     def _advance(self) -> bool:
         """Waits for a row; False at the end."""
         with self._lock:
-            if self._failure is not None:
+            # After a failure the rows are what there is. list() hides a TypeError of __len__.
+            if self._failure is not None and (
+                not self._rows or isinstance(self._failure, TypeError)
+            ):
                 raise self._failure
             if self._ended:
                 return False
@@ -168,10 +174,7 @@ class Sweep:
                 self._stop()
                 raise
             except BaseException as failure:
-                self._ended = True
-                # list() hides a TypeError of __len__. After others the rows are what there is.
-                if not self._rows or isinstance(failure, TypeError):
-                    self._failure = failure
+                self._ended, self._failure = True, failure
                 raise
             if more:
                 self._rows.append(item)
@@ -201,7 +204,10 @@ class Sweep:
         if self._job is not None and not self._ended:
             self._job.stop()
             self._ended = True
-            self.report = self._job.wait(self._keep)
+            try:
+                self.report = self._job.wait(self._keep)
+            except Error as failure:
+                self._failure = failure  # told to who asks for the result
 
     def stop(self) -> None:
         """Ends the sweep within the set that is rendered; the rows so far stay."""
@@ -222,14 +228,23 @@ class Sweep:
         self._end()
         return list(self._rows)
 
-    def _end(self) -> Mapping[str, Any]:
-        """The report; waits for the end."""
+    def _end(self) -> None:
+        """Waits for the end."""
         while self._advance():
             pass
+
+    def _result(self) -> Mapping[str, Any]:
+        """The report, or why there is none; waits for the end."""
+        self._end()
+        if self._failure is not None:
+            raise self._failure
         return self.report
 
     def __len__(self) -> int:
         return len(self.rows)
+
+    def __reduce__(self) -> Any:
+        raise UsageError("a sweep cannot be copied or pickled: keep its to_pandas()")
 
     def __repr__(self) -> str:
         state = "ended" if self._ended else "not begun" if self._job is None else "running"
@@ -324,3 +339,12 @@ class Sweep:
             words = html.escape(file.read())
         style = "width: 100%; height: 480px; border: 0"
         return '<iframe srcdoc="%s" style="%s" sandbox="allow-scripts"></iframe>' % (words, style)
+
+
+def merged_tables(tables: Any, output: Path, options: Mapping[str, Any]) -> Mapping[str, Any]:
+    """The table of parts of a sweep."""
+    names = [ffi.new("char[]", path_bytes(table, "tables")) for table in listed(tables)]
+    files = ffi.new("char *[]", names)
+    words = options_json({**options, "output": os.fsdecode(path_bytes(output, "output"))})
+    found: Mapping[str, Any] = json_of("mcv_tables_merge", files, len(names), words)
+    return found

@@ -4,10 +4,11 @@
 from __future__ import annotations
 
 import json
+import os
 from typing import TYPE_CHECKING, Any, Mapping
 
 from mcvisi.errors import UsageError
-from mcvisi.image import Image
+from mcvisi.image import Image, temporary_folder
 from mcvisi.library import (
     Handle,
     call,
@@ -17,7 +18,7 @@ from mcvisi.library import (
     path_bytes,
     take_text,
 )
-from mcvisi.options import Path, options_json
+from mcvisi.options import Path, options_json, value_json
 
 if TYPE_CHECKING:
     import numpy
@@ -34,6 +35,15 @@ class _Array:
             "typestr": kind,
             "data": (int(ffi.cast("uintptr_t", pointer)), True),
         }
+
+
+def _numbers(values: Any, what: str) -> "numpy.ndarray[Any, Any]":
+    import numpy
+
+    try:
+        return numpy.asarray(values, dtype=numpy.float32)
+    except (TypeError, ValueError) as error:
+        raise UsageError("%s: must be an array of numbers: %s" % (what, error)) from None
 
 
 class Transport(Handle):
@@ -89,18 +99,20 @@ class Transport(Handle):
 
     @property
     def replicates(self) -> "numpy.ndarray[Any, Any]":
+        """Of each entry its value by each replicate, (entries, replicates)."""
         e = self._entries
         return self._array(e.replicates, (e.entry_count, e.replicate_count), "<f4")
 
     @property
     def pattern(self) -> "numpy.ndarray[Any, Any]":
+        """What the scene shows, (elements, channels)."""
         shape = (self._entries.element_count, self.header["channels"])
         return self._array(self._entries.pattern, shape, "<f4")
 
     def elements(self, emitter: str) -> slice:
         """The rows of a pattern that belong to an emitter, pixel by pixel."""
         for group in self.header["elements"]:
-            if group["emitter"] == emitter:
+            if isinstance(emitter, str) and group["emitter"] == emitter:
                 first = group["first"]
                 return slice(first, first + group["width"] * group["height"])
         raise UsageError(
@@ -130,17 +142,18 @@ class Transport(Handle):
         )
         return Image._of(picture[0], json.loads(take_text(report) or "{}"))
 
-    def sequence(
-        self, pattern: Mapping[str, Any], emitter: str | None = None
-    ) -> "list[Image]":
+    def sequence(self, pattern: Mapping[str, Any], emitter: str | None = None) -> "list[Image]":
         """
         The images of a sequence of patterns, one after the other.
 
         pattern: as in scenes, {"type": "phaseShift", "steps": 4, "periods": 16}. emitter: which one
         shows it; None: the only one with pixels.
         """
-        shown = json.dumps(dict(pattern))
-        options = options_json({"sequence": shown if emitter is None else emitter + "=" + shown})
+        if not isinstance(pattern, Mapping):
+            raise UsageError("pattern: must be a dictionary, not %s" % type(pattern).__name__)
+        shown = value_json("pattern", dict(pattern)).decode()
+        words = shown if emitter is None else "%s=%s" % (emitter, shown)
+        options = options_json({"sequence": words})
         count = ffi.new("size_t *")
         none = ffi.NULL
         call("mcv_transport_sequence", self._get(), options, none, 0, count, none)
@@ -148,9 +161,7 @@ class Transport(Handle):
         call("mcv_transport_sequence", self._get(), options, pictures, count[0], count, none)
         return [Image._of(picture, {}) for picture in pictures]
 
-    def fit(
-        self, wanted: str, region: str | None = None, background: str | None = None
-    ) -> Image:
+    def fit(self, wanted: str, region: str | None = None, background: str | None = None) -> Image:
         """
         The image with the weights of the emitters, 0 or more, that fit best; report["weights"] of
         the image holds them, with their standard errors.
@@ -178,7 +189,7 @@ class Transport(Handle):
         call(
             "mcv_transport_deflection",
             self._get(),
-            ffi.NULL if reference is None else reference._get(),
+            ffi.NULL if reference is None else _matrix(reference, "reference"),
             options_json({"json": True}),
             picture,
             histogram,
@@ -217,13 +228,13 @@ class Transport(Handle):
         if isinstance(pattern, Mapping):
             for emitter, shown in pattern.items():
                 part = whole[self.elements(emitter)]
+                array = _numbers(shown, "pattern: %s" % emitter)
                 try:
-                    array = numpy.asarray(shown, dtype=numpy.float32)
                     part[:] = array if array.ndim == 0 else array.reshape(len(part), -1)
                 except ValueError as error:
                     raise UsageError("pattern: %s: %s" % (emitter, error)) from None
         elif pattern is not None:
-            array = numpy.asarray(pattern, dtype=numpy.float32)
+            array = _numbers(pattern, "pattern")
             if array.shape not in (whole.shape, whole.shape[:1]):
                 raise UsageError("pattern: must have the shape %s" % (whole.shape,))
             whole[:] = array.reshape(len(whole), -1)
@@ -233,6 +244,13 @@ class Transport(Handle):
         """Writes .npz, or .mtx (MatrixMarket) with the values alone."""
         call("mcv_transport_write", self._get(), path_bytes(path, "path"))
 
+    def __reduce__(self) -> "tuple[Any, ...]":
+        with temporary_folder() as folder:
+            path = os.path.join(folder, "matrix.npz")
+            self.save(path)
+            with open(path, "rb") as file:
+                return (_unpickled, (file.read(), dict(self.report)))
+
     def __repr__(self) -> str:
         e = self._entries
         return "<mcvisi.Transport %d x %d, %d entries>" % (
@@ -241,3 +259,20 @@ class Transport(Handle):
             e.entry_count,
         )
 
+
+def _matrix(transport: Any, what: str) -> Any:
+    if not isinstance(transport, Transport):
+        raise UsageError(
+            "%s: must be a mcvisi.Transport, not %s" % (what, type(transport).__name__)
+        )
+    return transport._get()
+
+
+def _unpickled(content: bytes, report: Mapping[str, Any]) -> Transport:
+    with temporary_folder() as folder:
+        path = os.path.join(folder, "matrix.npz")
+        with open(path, "wb") as file:
+            file.write(content)
+        transport = Transport(path)
+    transport.report = report
+    return transport

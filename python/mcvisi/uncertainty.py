@@ -25,5 +25,5 @@ class Uncertainty(Sweep):
         95 % "interval"; "nonlinear"; and "effects", a list with the largest contribution first.
         Numbers are in SI units.
         """
-        found: Mapping[str, Any] = self._end().get("metrics", {})
+        found: Mapping[str, Any] = self._result().get("metrics", {})
         return found

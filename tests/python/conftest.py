@@ -1,16 +1,16 @@
 # SPDX-License-Identifier: Apache-2.0
 """Rigs for the tests of the Python package."""
 
-import bracket
 import mcvisi as mv
 import pytest
+from mcvisi import examples
 
 
 @pytest.fixture(scope="session")
 def folder(tmp_path_factory):
     """Where a bracket lies."""
     path = tmp_path_factory.mktemp("parts")
-    bracket.write(path / "bracket.stl")
+    examples.bracket(path / "bracket.stl")
     return path
 
 

@@ -64,14 +64,20 @@ def test_a_tilted_mirror():
     assert np.abs(slope[..., 1]).max() < bound
     # The plane through the origin: the slopes' error over the way to it.
     way = np.hypot(place[..., 0], place[..., 1])
-    assert np.all(np.abs(np.asarray(image) + math.tan(TILT) * place[..., 0]) < 2 * bound * way.max())
+    assert np.all(
+        np.abs(np.asarray(image) + math.tan(TILT) * place[..., 0]) < 2 * bound * way.max()
+    )
     assert image.report["pixels"] == ROWS * COLUMNS
 
 
 def test_files_and_progress(tmp_path):
     told = []
     image = mirror().deflectometry(
-        plane="table", spp=64, output=tmp_path / "h.exr", png=tmp_path / "h.png", progress=told.append
+        plane="table",
+        spp=64,
+        output=tmp_path / "h.exr",
+        png=tmp_path / "h.png",
+        progress=told.append,
     )
     assert (tmp_path / "h.png").exists() and told
     assert all(t.fraction != t.fraction or 0 <= t.fraction <= 1 for t in told)  # NaN: compiling

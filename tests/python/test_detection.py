@@ -77,6 +77,37 @@ def test_an_experiment(rig, tmp_path):
     assert "srcdoc" in study._repr_html_() and (tmp_path / "t-pod.html").exists()
 
 
+def short_study(rig, count):
+    return rig.pod(
+        {"emitters/light/radiance": mv.linear(0.4, 1.6, count)},
+        {**STUDY, **SCALES, "threshold": 1000},
+        metrics={"grey": "mid.mean"},
+        regions={"mid": (4, 4, 1, 1)},
+        spp=4,
+        progress=False,
+        **CAMERA,
+    )
+
+
+def test_too_few_defects_are_told_again(rig):
+    study = short_study(rig, 4)
+    with pytest.raises(mv.BadInput, match="at least 10 are needed"):
+        list(study)
+    assert len(study.rows) == 4
+    with pytest.raises(mv.BadInput, match="at least 10 are needed"):
+        study.answer
+
+
+def test_an_experiment_that_was_left_has_no_answer(rig):
+    """Nothing is raised where the loop is left; it would be printed, as in every generator."""
+    study = short_study(rig, 24)
+    for row in study:
+        break
+    assert 1 <= len(study.rows) < 24
+    with pytest.raises(mv.Error, match="no answer|at least 10"):
+        study.answer
+
+
 def test_an_experiment_refused(rig):
     with pytest.raises(mv.UsageError, match="study: must be a dictionary"):
         study_of(rig, "size=radiance")

@@ -9,9 +9,9 @@ import pathlib
 import re
 import shutil
 
-import bracket
 import numpy as np
 import pytest
+from mcvisi import examples
 
 DOCS = pathlib.Path(__file__).resolve().parents[2] / "docs"
 PAGE = (DOCS / "python.md").read_text(encoding="utf-8")
@@ -27,7 +27,7 @@ def run(tmp_path_factory):
     pytest.importorskip("xarray")
     pytest.importorskip("matplotlib").use("Agg")
     folder = tmp_path_factory.mktemp("page")
-    bracket.write(folder / "bracket.stl")
+    examples.bracket(folder / "bracket.stl")
     before, names = os.getcwd(), {}
     os.chdir(folder)
     try:
@@ -58,7 +58,7 @@ def test_the_width_that_the_page_states(run):
     # The same seed, the same noise; another device rounds in another way.
     assert float(stated[1]) == pytest.approx(1e3 * length.value, abs=1e3 * length.uncertainty)
     nominal = names["width"]
-    assert abs(nominal.value - bracket.WIDTH * 1e-3) < 4 * nominal.uncertainty
+    assert abs(nominal.value - examples.WIDTH * 1e-3) < 4 * nominal.uncertainty
 
 
 @pytest.mark.parametrize("picture", PICTURES)

@@ -44,6 +44,14 @@ def test_colour_has_its_channels_last():
     assert view.strides == (12, 4, 24) and not view.flags.owndata
 
 
+def test_values_by_index(image):
+    values = np.asarray(image)
+    assert image[3, 5] == values[3, 5] and np.array_equal(image[10:20, ::2], values[10:20, ::2])
+    assert image[0].base is not None and not image[0].flags.writeable
+    assert len(image) == 64 and image.dtype == np.float32
+    assert np.array_equal(np.array([image, image]), np.array([values, values]))
+
+
 def test_grey_values_from_numpy():
     values = np.random.default_rng(1).random((5, 7))
     assert np.array_equal(np.asarray(mv.Image(values)), values.astype(np.float32))
@@ -59,6 +67,7 @@ def test_grey_values_from_numpy():
         (np.zeros(5), None),
         (np.zeros((0, 4)), None),
         ("text", None),
+        (np.ones((2, 2), complex), None),
         (None, None),
         ([[1, 2], [3]], None),
         (np.zeros((2, 2)), np.zeros((2, 3))),

@@ -32,6 +32,7 @@ def test_units():
     assert length.to("um").value == pytest.approx(12345.6)
     assert str(mv.Value(4.2e-6, 1e-7, "m")) == "4.20(10) µm"
     assert str(mv.Value(math.pi / 180, 1e-4, "rad")).endswith(" deg")
+    assert "{:.2e} {}".format(length, length) == "1.23e-02 12.3456(21) mm"
     with pytest.raises(mv.UsageError, match="mm"):
         length.to("kg")
 
@@ -52,6 +53,9 @@ def test_an_edge_of_numpys_values():
     assert found["e"].bright.value == pytest.approx(100, abs=0.1)
     with pytest.raises(AttributeError, match="tilt"):
         found["e"].nothing
+    with pytest.raises(KeyError, match="this measurement has no 'E'; it has e"):
+        found["E"]
+    assert found.get("E") is None and "E" not in found
 
 
 def test_figures_of_a_rig(image):

@@ -6,6 +6,7 @@ import io
 import json
 import os
 import pathlib
+import pickle
 import subprocess
 import sys
 
@@ -126,6 +127,28 @@ def test_a_bar_in_a_notebook():
     bar(mv.Progress(Job(lambda job: None), Told))
     bar.close()
     assert len(shown) == 3 and "50 %" in shown[0]["text/plain"]
+
+
+@pytest.mark.parametrize(
+    "program, python",
+    [
+        ("give --exposure-time or --expose-to.", "give exposure_time or expose_to."),
+        ("--metric is missing, --in F, --with A=B", "metrics is missing, in_ F, with_ A=B"),
+        ("run `mcvisi render --spp 4`, then --edge", "run `mcvisi render --spp 4`, then edges"),
+        ("a--b.exr: no -- here", "a--b.exr: no -- here"),
+    ],
+)
+def test_sentences_name_options_as_python_does(program, python):
+    from mcvisi.library import in_python
+
+    assert in_python(program) == python
+
+
+def test_what_holds_a_device_is_not_pickled(rig):
+    sweep = rig.sweep({"sensors/camera/fNumber": [4, 8]}, metrics=["mean"])
+    for thing in (mv.Session(), sweep):
+        with pytest.raises(mv.UsageError, match="pickled"):
+            pickle.dumps(thing)
 
 
 def test_errors():

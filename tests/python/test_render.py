@@ -35,6 +35,17 @@ def test_the_same_options_give_the_same_bits(rig):
     assert not np.array_equal(np.asarray(a), np.asarray(rig.render(spp=16, progress=False)))
 
 
+def test_warm(rig):
+    """The programs are those of a render."""
+    with mv.Session() as session:
+        programs = rig.warm(session=session)
+        assert [p["name"] for p in programs] == ["camera"]
+        image = rig.render(spp=4, session=session, progress=False)
+        assert programs[0]["features"].split() == image.report["features"]
+    with pytest.raises(mv.UsageError, match="no programs"):
+        rig.warm(device="reference")
+
+
 def test_options(rig):
     image = rig.render(spp=16, resolution=(48, 32), replicates=2, sensor="camera", progress=False)
     assert image.shape == (32, 48) and image.report["replicates"] == 2

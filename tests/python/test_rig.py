@@ -79,6 +79,12 @@ def test_attributes(rig):
         rig.sensors.none
 
 
+@pytest.mark.parametrize("name", ["sensor", "sensors", "fNumber"])
+def test_an_attribute_that_would_change_nothing_is_refused(rig, name):
+    with pytest.raises(AttributeError, match="by its path"):
+        setattr(rig, name, 8)
+
+
 def test_tab_completes_paths(rig):
     assert "sensors/camera/fNumber" in rig._ipython_key_completions_()
     assert {"sensors", "emitters", "nodes"} <= set(dir(rig))
@@ -212,6 +218,15 @@ def test_findings(rig):
     rig["nodes/light/azimuth"] = "0deg"
     assert any(finding.severity != "note" for finding in rig.check())
     assert "<table>" in rig.check()._repr_html_()
+
+
+def test_strict_findings(rig):
+    """Those of the file alone, by the rules of glTF."""
+    assert rig.check(strict=True) == []
+    rig["nodes/light/mesh"] = 4
+    found = rig.check(strict=True)
+    assert [f.path.split("/")[-1] for f in found.errors] == ["mesh"]
+    assert found.report["strict"][0]["code"] == "UNRESOLVED_REFERENCE"
 
 
 def test_trace(rig):

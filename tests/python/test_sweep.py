@@ -27,7 +27,10 @@ def sweep_of(rig, **options):
 def test_ranges():
     assert mv.log("0.1deg", "2deg", 8) == "0.1deg..2deg:8:log"
     assert mv.linear(0, 0.5, 3) == "0..0.5:3"
-    assert mv.linear(np.float64(0.25), np.int64(2), 3) == "0.25..2:3"
+    assert mv.linear(np.float64(0.25), np.int64(2), np.int64(3)) == "0.25..2:3"
+    for count in (3.0, "3", None):
+        with pytest.raises(mv.UsageError, match="count: must be a whole number"):
+            mv.log(1, 2, count)
 
 
 def test_rows(rig):
@@ -44,6 +47,26 @@ def test_rows(rig):
     widest = max(row["halfAngle"] for row in rows)
     assert bright[4, widest] == pytest.approx(4 * bright[8, widest], rel=0.02)
     assert list(sweep) == rows == sweep.rows
+    with pytest.raises(KeyError, match="has no 'fnumber'; it has fNumber, halfAngle, u, b"):
+        rows[0]["fnumber"]
+
+
+def test_parts_of_a_sweep_are_merged(rig, tmp_path):
+    whole = sweep_of(rig, output=tmp_path / "whole.csv")
+    tables = [tmp_path / ("%d.csv" % i) for i in (0, 1)]
+    for i, table in enumerate(tables):
+        list(sweep_of(rig, range="%d/2" % i, output=table))
+    told = mv.merge_tables(tables[::-1], tmp_path / "merged.csv")
+    assert told["tables"] == 2 and told["rows"] == len(whole.rows) == 6
+    # But for the seconds, that of one sweep.
+    merged, one = (
+        [line.split(",")[:5] for line in (tmp_path / name).read_text().splitlines()]
+        for name in ("merged.csv", "whole.csv")
+    )
+    assert merged == one
+    with pytest.raises(mv.Error, match="merged.csv"):
+        mv.merge_tables(tables, tmp_path / "merged.csv")
+    mv.merge_tables(tables, tmp_path / "merged.csv", force=True)
 
 
 def test_the_rig_may_change_meanwhile(rig):

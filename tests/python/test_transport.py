@@ -3,6 +3,7 @@
 
 import json
 import os
+import pickle
 
 import mcvisi as mv
 import numpy as np
@@ -66,6 +67,12 @@ def test_files(transport):
     assert np.array_equal(np.asarray(again.relight()), np.asarray(transport.relight()))
     again.save(transport.folder / "copy.npz")
     assert (transport.folder / "copy.npz").read_bytes() == path.read_bytes()
+
+
+def test_pickle(transport):
+    again = pickle.loads(pickle.dumps(transport))
+    assert again.report == transport.report and again.header == transport.header
+    assert np.array_equal(np.asarray(again.relight()), np.asarray(transport.relight()))
 
 
 def test_arrays_outlive_the_handle():

@@ -1,13 +1,13 @@
 # SPDX-License-Identifier: Apache-2.0
 """Laser triangulation: the heights of a bracket whose thickness is known."""
 
-import bracket
 import mcvisi as mv
 import numpy as np
 import pytest
+from mcvisi import examples
 
 COLUMNS, ROWS = 64, 48
-TOP = bracket.BOXES[0][1][2] * 1e-3
+TOP = examples.BOXES[0][1][2] * 1e-3
 LOWER = 1e-3
 
 
@@ -43,7 +43,7 @@ def test_heights(images):
     assert np.array_equal(seen, np.isfinite(found.array)) and found.report["seen"] == seen.sum()
     # The columns within a width are known to one, and a column at either end is lit in part.
     step = np.nanmean(np.diff(found.part("x")))
-    assert np.all(np.abs(seen.sum(axis=1) - bracket.WIDTH * 1e-3 / step) < 2)
+    assert np.all(np.abs(seen.sum(axis=1) - examples.WIDTH * 1e-3 / step) < 2)
     for heights, error, there in zip(found.array, found.error, seen):
         off, u = heights[there] - TOP, error[there]
         assert np.all(np.abs(off) < 5 * u)

@@ -8,9 +8,9 @@ import sys
 import venv
 import zipfile
 
-import bracket
 import mcvisi
 import pytest
+from mcvisi import examples
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 
@@ -75,7 +75,7 @@ def test_one_wheel_for_every_python_3(wheel):
 
 
 def test_it_renders_from_there(python, tmp_path):
-    bracket.write(tmp_path / "bracket.stl")
+    examples.bracket(tmp_path / "bracket.stl")
     script = (
         "import mcvisi as mv, numpy as np\n"
         "rig = mv.new('telecentric', 'bracket.stl', unit='mm', resolution=(96, 64))\n"
