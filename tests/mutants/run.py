@@ -61,14 +61,15 @@ def pattern_of(text):
 
 class Mutant:
     """A fault: a text, which occurs `times` times in the folder or file `where`, and its
-    replacement."""
+    replacement. `built`: it is planted in what the tests themselves compile, not for the device."""
 
     def __init__(self, entry):
-        known = {"name", "find", "replace", "where", "times", "tests"}
+        known = {"name", "find", "replace", "where", "times", "tests", "built"}
         if unknown := set(entry) - known:
             raise ValueError(f"{entry.get('name')}: unknown key {', '.join(sorted(unknown))}")
         self.name, self.find, self.replace = entry["name"], entry["find"], entry["replace"]
         self.where, self.times, self.tests = entry["where"], entry.get("times", 1), entry["tests"]
+        self.built = entry.get("built", False)
         self.pattern = pattern_of(self.find)
         if not self.tests or self.find == self.replace:
             raise ValueError(
@@ -77,7 +78,9 @@ class Mutant:
 
     @property
     def on_device(self):
-        return self.where.split("/")[0] in DEVICE or self.where == "device"
+        return not self.built and (
+            self.where.split("/")[0] in DEVICE or self.where == "device"
+        )
 
     def files(self, tree):
         """The files that hold the text, each with how often."""

@@ -101,7 +101,12 @@ static void test_entries_are_means(void **state) {
         largest = fmax(largest, sum);
     }
     size_t entries = 0;
-    for (size_t row = 0; row < m.row_count; ++row)
+    for (size_t row = 0; row < m.row_count; ++row) {
+        size_t filled = 0;
+        for (int e = 0; e < ELEMENTS; ++e) filled += sums[row][e] != 0;
+        if (m.row_begins[row + 1] - m.row_begins[row] != filled)
+            fail_msg("row %zu has %d entries, must have %zu", row,
+                     (int)(m.row_begins[row + 1] - m.row_begins[row]), filled);
         for (uint64_t i = m.row_begins[row]; i < m.row_begins[row + 1]; ++i, ++entries) {
             const double expected = sums[row][m.columns[i]] / (SAMPLES * REPLICATES);
             double of_replicates = 0;
@@ -114,6 +119,7 @@ static void test_entries_are_means(void **state) {
             /* Four floats, rounded once each. */
             assert_true(fabs(of_replicates / REPLICATES - expected) <= 0x1p-23 * expected);
         }
+    }
     print_message("%zu entries\n", entries);
     expect_equal("records backwards", &m, &other);
     mcv_matrix_free(&m);
