@@ -7,12 +7,13 @@
     X(list, profiles, "output", 'o', "FILE", MCV_IN_PROFILES, NULL, 0, 0, \
       "write the profiles: .csv has all that is known of each place; with --laser also .exr, a " \
       "range image with uncertainty and mask, .npz, arrays for NumPy, and .ply, points") \
-    X(choice, extractor, "extractor", 0, "cog|parabola|logGauss|blaisRioux|gauss", \
+    X(choice, extractor, "extractor", 0, "cog|parabola|logGauss|blaisRioux|gauss|steger", \
       MCV_IN_PROFILES, "cog", 0, 0, \
       "how the line's place is found: centre of gravity, three pixels of a parabola or of a " \
-      "Gaussian, Blais and Rioux's zero crossing, or the fit of a Gaussian") \
+      "Gaussian, Blais and Rioux's zero crossing, the fit of a Gaussian, or the top of a ridge") \
     X(count, line_window, "window", 0, "N", MCV_IN_PROFILES, "15", 3, 63, \
-      "pixels across the line that cog and gauss take, an odd number; peaks nearer than half of " \
+      "pixels across the line that cog, gauss and steger take, an odd number; peaks nearer than " \
+      "half of " \
       "it are one") \
     X(number, line_threshold, "threshold", 0, "F", MCV_IN_PROFILES, "0.1", 0, 1, \
       "light of the line is brighter than this share of the image's brightest pixel") \

@@ -11,8 +11,10 @@
  *              that thin lines are off
  *   blaisRioux where v_-2 + v_-1 - v_1 - v_2, centred at each pixel, changes its sign, by a
  * straight line between pixels (F. Blais and M. Rioux, Signal Processing 11, 145, 1986): exact in
- * the middle and between pixels gauss      least squares of a Gaussian line integrated over pixels:
- * exact for such lines
+ *              the middle and between pixels
+ *   gauss      least squares of a Gaussian line integrated over pixels: exact for such lines
+ *   steger     the top of the values smoothed by a Gaussian of an eighth of the window, as on a
+ * ridge (C. Steger, An unbiased detector of curvilinear structures, 1998), across the line
  *
  * Places count as those of the camera model: the middle of the first pixel is at 0.5.
  */
@@ -32,6 +34,7 @@ enum {
     MCV_LINE_LOG_GAUSS,
     MCV_LINE_BLAIS_RIOUX,
     MCV_LINE_GAUSS,
+    MCV_LINE_STEGER,
     MCV_LINE_EXTRACTOR_COUNT
 };
 
@@ -39,8 +42,8 @@ typedef struct mcv_line_settings {
     int extractor;     /* MCV_LINE_… */
     double background; /* of the values */
     double threshold;  /* above the background: what is brighter belongs to the line */
-    uint32_t window;   /* pixels that cog and gauss take: odd, 3 … MCV_LINE_WINDOW; peaks nearer
-                          than half of it are one, as speckle breaks a line */
+    uint32_t window;   /* pixels that cog, gauss and steger take: odd, 3 … MCV_LINE_WINDOW; peaks
+                          nearer   than half of it are one, as speckle breaks a line */
 } mcv_line_settings;
 
 enum { MCV_LINE_WINDOW = 63 };

@@ -22,7 +22,7 @@ typedef struct mcv_light_plane {
 /* Where the chief ray of a place of the image meets a plane of the world, in the camera's
  * coordinates; false where it does not before a perspective camera. */
 bool mcv_target_place(const mcv_camera_model *model, const double point[3], const double normal[3],
-                    const double place[2], double at[3]);
+                      const double place[2], double at[3]);
 
 /* Fits the plane. False for fewer than three points, or points that lie on a straight line within a
  * hundredth of its length. */

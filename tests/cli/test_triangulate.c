@@ -94,8 +94,9 @@ static void test_moving_head(void **state) {
 /* A place in pixels needs no header but that of grey values; extractors agree. */
 static void test_places(void **state) {
     (void)state;
-    static const char *const extractors[] = {"cog", "parabola", "logGauss", "blaisRioux", "gauss"};
-    for (int i = 0; i < 5; ++i) {
+    static const char *const extractors[] = {"cog",        "parabola", "logGauss",
+                                             "blaisRioux", "gauss",    "steger"};
+    for (int i = 0; i < 6; ++i) {
         char line[128];
         snprintf(line, sizeof line, "triangulate 0.png --extractor %s --json -o p.csv",
                  extractors[i]);
