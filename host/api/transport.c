@@ -67,14 +67,13 @@ static mcv_result keep_attributes(const mcv_rendering *r, mcv_matrix *matrix, mc
 static mcv_result finish_matrix(const mcv_rendering *r, mcv_gather *gather, double keep,
                                 mcv_matrix *matrix, mcv_error *error) {
     const mcv_film *film = r->rendered.film;
+    const mcv_element_group *last = matrix->groups + matrix->group_count - 1;
     mcv_matrix whole;
-    uint32_t elements;
     if (film->samples == 0)
         return mcv_fail(error, MCV_INTERRUPTED, "%s: interrupted before its first sample",
                         r->rendered.scene->path);
-    MCV_TRY(mcv_scene_elements(r->rendered.scene, &elements, error));
-    MCV_TRY(mcv_matrix_make(gather, film->width, film->height, film->samples, elements, keep,
-                            &whole, error));
+    MCV_TRY(mcv_matrix_make(gather, film->width, film->height, film->samples,
+                            last->first + last->width * last->height, keep, &whole, error));
     whole.groups = matrix->groups;
     whole.group_count = matrix->group_count;
     whole.pattern = matrix->pattern;
@@ -82,38 +81,54 @@ static mcv_result finish_matrix(const mcv_rendering *r, mcv_gather *gather, doub
     return keep_attributes(r, matrix, error);
 }
 
-mcv_result mcv_rendering_matrix(mcv_session *session, const mcv_command *command, mcv_rendering *r,
-                                mcv_scene *scene, uint32_t sensor, mcv_matrix *matrix,
-                                mcv_error *error) {
+/* Renders into the gather, and makes the matrix of it. */
+static mcv_result render_records(mcv_session *session, const mcv_command *command, mcv_rendering *r,
+                                 mcv_scene *scene, uint32_t sensor, const mcv_record_sink *sink,
+                                 mcv_matrix *matrix, mcv_error *error) {
     mcv_render_options options;
     mcv_render_stats stats = {.stage_count = 0};
     mcv_film film = {0};
-    mcv_gather gather;
+    MCV_TRY(mcv_render_options_read(command, &options, error));
+    options.records = sink;
+    mcv_result result =
+        mcv_rendering_run(r, session, command, scene, sensor, &options, &film, &stats, error);
+    if (result == MCV_OK && stats.interrupted)
+        result =
+            mcv_fail(error, MCV_INTERRUPTED, "%s: interrupted before its last sample", scene->path);
+    if (result == MCV_OK) result = finish_matrix(r, sink->user, command->keep, matrix, error);
+    r->rendered = (mcv_rendered){.set = r->rendered.set}; /* the rest ends here */
+    mcv_film_free(&film);
+    return result;
+}
+
+mcv_result mcv_rendering_matrix(mcv_session *session, const mcv_command *command, mcv_rendering *r,
+                                mcv_scene *scene, uint32_t sensor, mcv_matrix *matrix,
+                                mcv_error *error) {
+    mcv_gather gather = {0};
+    uint32_t *columns = NULL;
     const uint32_t channels = mcv_scene_channels(scene);
     const size_t most =
         (size_t)(command->memory > 0 ? command->memory : (double)mcv_memory_default());
     /* The records of a launch are on the device and here. */
     const size_t of_records = most / 8 < MOST_RECORD_BYTES ? most / 8 : MOST_RECORD_BYTES;
     const mcv_record_sink sink = {.bytes = of_records, .take = mcv_gather_add, .user = &gather};
-    MCV_TRY(mcv_render_options_read(command, &options, error));
-    MCV_TRY(mcv_scene_show_white(scene, command->elements == 1, channels, matrix, error));
-    if (mcv_scene_channels(scene) != channels)
-        return mcv_fail(error, MCV_BAD_INPUT,
-                        "%s: only the image of an emitter has colours: a matrix of it would be "
-                        "grey; give --elements lamps, or a grey image",
-                        scene->path);
-    MCV_TRY(mcv_gather_new(&gather, channels, options.replicates, brightest(scene),
-                           most - 2 * of_records, error));
-    options.records = &sink;
     mcv_result result =
-        mcv_rendering_run(r, session, command, scene, sensor, &options, &film, &stats, error);
-    if (result == MCV_OK && stats.interrupted)
-        result =
-            mcv_fail(error, MCV_INTERRUPTED, "%s: interrupted before its last sample", scene->path);
-    if (result == MCV_OK) result = finish_matrix(r, &gather, command->keep, matrix, error);
-    mcv_gather_free(&gather);
-    r->rendered = (mcv_rendered){.set = r->rendered.set}; /* the rest ends here */
-    mcv_film_free(&film);
+        mcv_scene_show_white(scene, command->elements == 1, (uint32_t)command->element_bin,
+                             channels, matrix, &columns, error);
+    if (result == MCV_OK && mcv_scene_channels(scene) != channels)
+        result = mcv_fail(error, MCV_BAD_INPUT,
+                          "%s: only the image of an emitter has colours: a matrix of it would be "
+                          "grey; give --elements lamps, or a grey image",
+                          scene->path);
+    if (result == MCV_OK)
+        result = mcv_gather_new(&gather, channels, (uint32_t)command->replicates, brightest(scene),
+                                most - 2 * of_records, error);
+    if (result == MCV_OK) {
+        gather.columns = columns;
+        result = render_records(session, command, r, scene, sensor, &sink, matrix, error);
+        mcv_gather_free(&gather);
+    }
+    free(columns);
     return result;
 }
 

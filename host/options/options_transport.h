@@ -13,6 +13,9 @@
     X(choice, elements, "elements", 0, "pixels|lamps", MCV_IN_TRANSPORT, "pixels", 0, 0, \
       "columns of the matrix: pixels, each pixel of an emitter's image, where nothing is " \
       "interpolated between them, and other emitters as a whole; lamps, all emitters as a whole") \
+    X(count, element_bin, "bin", 0, "N", MCV_IN_TRANSPORT, "1", 1, 65536, \
+      "squares of N x N pixels are one column together, of a light field N x N directions; " \
+      "patterns then have a pixel for each") \
     X(number, keep, "keep", 0, "F", MCV_IN_TRANSPORT, "1", 0, 1, \
       "keep the strongest entries of each row that make up this share of its sum; the others " \
       "become one entry in an additional column") \

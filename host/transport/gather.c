@@ -220,7 +220,7 @@ static bool brings_nothing(const mcv_gather *g, const uint32_t *record) {
 }
 
 static uint64_t key_of(const mcv_gather *g, const uint32_t *record) {
-    return MCV_ENTRY_KEY(record[0] / g->replicates, record[1]);
+    return MCV_ENTRY_KEY(record[0] / g->replicates, g->columns ? g->columns[record[1]] : record[1]);
 }
 
 /* Entries lie anywhere in memory: so many are on their way at the same time. */

@@ -14,9 +14,10 @@
 
 typedef struct mcv_gather {
     uint32_t channels, replicates;
-    int exponent;      /* sums are in units of 2^exponent */
-    double scale;      /* 2^-exponent */
-    size_t most_bytes; /* memory that it may take */
+    int exponent;            /* sums are in units of 2^exponent */
+    double scale;            /* 2^-exponent */
+    size_t most_bytes;       /* memory that it may take */
+    const uint32_t *columns; /* of each element the one that it counts as; NULL: itself */
     size_t count, capacity;
     uint32_t *slots;       /* of a hash table of 2 capacity: index + 1 of an entry, 0: free */
     uint64_t *keys;        /* of the entries, in the order of their first records: MCV_ENTRY_KEY */

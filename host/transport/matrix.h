@@ -28,6 +28,11 @@ typedef struct mcv_element_group {
     uint32_t width, height; /* of the image whose pixels are elements; 1 x 1: it is one element */
     double radiance[3];     /* (irradiance, intensity) that a pattern of 1 stands for, by channel */
     double to_world[12];    /* rows of rotation and scale, then the position: of its node */
+    uint32_t binning[2];    /* pixels of the image that an element holds, across and down */
+    double size[2];         /* of a rectangle that emits [m]; else 0 */
+    double slope_range[2];  /* of a projector: the width and height that it lights at 1 m [m]; else
+                               0 */
+    bool mirror;            /* whether columns run along -x of its node */
     uint32_t angular[2];    /* of a light field emitter: directions J, K of a macro pixel; else 0 */
     double angular_range;   /* and the sine of the largest angle */
 } mcv_element_group;

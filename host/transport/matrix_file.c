@@ -24,6 +24,18 @@ static json_t *numbers(const double *values, size_t count) {
     return list;
 }
 
+/* Where its elements lie, as far as it has a rectangle of them. */
+static void put_place(const mcv_element_group *g, json_t *element) {
+    if (g->binning[0] > 1 || g->binning[1] > 1)
+        json_object_set_new(
+            element, "binning",
+            json_pack("[I, I]", (json_int_t)g->binning[0], (json_int_t)g->binning[1]));
+    if (g->size[0] > 0) json_object_set_new(element, "size", numbers(g->size, 2));
+    if (g->slope_range[0] > 0)
+        json_object_set_new(element, "slopeRange", numbers(g->slope_range, 2));
+    if (g->mirror) json_object_set_new(element, "mirror", json_true());
+}
+
 json_t *mcv_matrix_header(const mcv_matrix *m) {
     json_t *elements = json_array();
     for (uint32_t i = 0; i < m->group_count; ++i) {
@@ -32,6 +44,7 @@ json_t *mcv_matrix_header(const mcv_matrix *m) {
             "{s:s, s:s, s:I, s:I, s:I, s:o, s:o}", "emitter", g->emitter, "type", g->type, "first",
             (json_int_t)g->first, "width", (json_int_t)g->width, "height", (json_int_t)g->height,
             "radiance", numbers(g->radiance, 3), "to_world", numbers(g->to_world, 12));
+        put_place(g, element);
         if (g->angular[0] > 0) {
             json_object_set_new(
                 element, "angularResolution",
@@ -150,6 +163,16 @@ static mcv_result read_directions(const json_t *from, mcv_element_group *g,
     return MCV_OK;
 }
 
+static mcv_result read_place(const json_t *from, mcv_element_group *g, const mcv_json_path *place,
+                             mcv_error *error) {
+    double binning[2] = {1, 1};
+    MCV_TRY(mcv_json_numbers(from, "binning", 2, 1, MOST_SIDE, binning, place, error));
+    for (int i = 0; i < 2; ++i) g->binning[i] = (uint32_t)binning[i];
+    MCV_TRY(mcv_json_numbers(from, "size", 2, 0, INFINITY, g->size, place, error));
+    MCV_TRY(mcv_json_numbers(from, "slopeRange", 2, 0, INFINITY, g->slope_range, place, error));
+    return mcv_json_bool(from, "mirror", &g->mirror, place, error);
+}
+
 static mcv_result read_group(const json_t *from, mcv_matrix *m, const mcv_json_path *place,
                              mcv_error *error) {
     mcv_element_group *g = m->groups + m->group_count++;
@@ -162,6 +185,7 @@ static mcv_result read_group(const json_t *from, mcv_matrix *m, const mcv_json_p
     MCV_TRY(read_uint(from, "height", 1, MOST_SIDE, &g->height, place, error));
     MCV_TRY(mcv_json_numbers(from, "radiance", 3, 0, INFINITY, g->radiance, place, error));
     MCV_TRY(mcv_json_numbers(from, "to_world", 12, -INFINITY, INFINITY, g->to_world, place, error));
+    MCV_TRY(read_place(from, g, place, error));
     MCV_TRY(read_directions(from, g, place, error));
     g->emitter = strdup(emitter ? emitter : "");
     g->type = strdup(type ? type : "");

@@ -124,6 +124,32 @@ static void check_white(mcv_session *session, const mcv_rig *rig) {
     mcv_transport_free(thin);
 }
 
+/* Columns of 4 pixels are the sums of theirs. Sums in units of the matrix are exact, but for the
+ * rounding of each entry to one. */
+static void check_bins(mcv_session *session, const mcv_rig *rig) {
+    enum { BIN = 4 };
+    mcv_transport *whole = transport_of(session, rig, "{\"spp\": 16}"),
+                  *binned = transport_of(session, rig, "{\"spp\": 16, \"bin\": 4}");
+    const mcv_matrix_entries e = entries_of(whole), b = entries_of(binned);
+    assert_int_equal(b.element_count, e.element_count / BIN);
+    for (size_t row = 0; row < e.row_count; ++row) {
+        double sums[64] = {0}, all = 0;
+        for (uint64_t i = e.row_begins[row]; i < e.row_begins[row + 1]; ++i) {
+            sums[e.columns[i] / BIN] += e.values[i];
+            all += e.values[i];
+        }
+        for (uint64_t i = b.row_begins[row]; i < b.row_begins[row + 1]; ++i) {
+            if (!(fabs(sums[b.columns[i]] - b.values[i]) <= 0x1p-48 * all))
+                fail_msg("row %zu, column %u: %.17g, its pixels %.17g", row, b.columns[i],
+                         b.values[i], sums[b.columns[i]]);
+            sums[b.columns[i]] = 0;
+        }
+        for (size_t i = 0; i < 64; ++i) assert_true(sums[i] == 0);
+    }
+    mcv_transport_free(whole);
+    mcv_transport_free(binned);
+}
+
 /* The scene's own pattern gives the image that a render with another seed gives. */
 static void check_relit(mcv_session *session, const mcv_rig *rig) {
     mcv_transport *transport =
@@ -241,6 +267,7 @@ static void test_pattern_of_a_scene(void **state) {
     (void)state;
     WELL(mcv_rig_open(MCV_SOURCE_DIR "/scenes/gray-code.gltf", &rig, &error));
     check_white(session, rig);
+    check_bins(session, rig);
     check_relit(session, rig);
     check_sequence(session, rig);
     refuse(session, rig);
