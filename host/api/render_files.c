@@ -49,12 +49,11 @@ static mcv_result tell_report(files_call *c, mcv_report *report, bool silent, mc
 static mcv_result tell_findings(files_call *c, const mcv_scene *scene, mcv_error *error) {
     mcv_findings findings;
     mcv_report report;
-    MCV_TRY(mcv_findings_of(scene, &findings, error));
+    MCV_TRY(mcv_warnings_of(scene, &findings, error));
     const mcv_result result = mcv_report_keep(&report, c->given.command.json, error);
     for (size_t i = 0; result == MCV_OK && i < findings.count; ++i)
-        if (findings.items[i].severity >= MCV_SEVERITY_WARNING)
-            mcv_report_tell(&report, mcv_severities[findings.items[i].severity],
-                            findings.items[i].sentence);
+        mcv_report_tell(&report, mcv_severities[findings.items[i].severity],
+                        findings.items[i].sentence);
     mcv_findings_free(&findings);
     return result == MCV_OK ? tell_report(c, &report, json_array_size(report.notes) == 0, error)
                             : result;

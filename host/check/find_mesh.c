@@ -171,14 +171,16 @@ static double chord_error(const mcv_facets *f, const mcv_view *view, const mcv_b
     return *metres / mcv_view_pixel(view, local[2]);
 }
 
-/* Does the sensor see a light behind a depth? Outlines are then likely to be measured. */
-static bool is_backlit(const mcv_scene *scene, const mcv_view *view, double depth) {
+/* The depth of the farthest light that the sensor sees. Outlines before it are likely to be
+ * measured. */
+static double backlight_depth(const mcv_scene *scene, const mcv_view *view) {
+    double depth = -INFINITY;
     for (uint32_t i = 0; i < scene->emitter_count; ++i) {
         if (scene->emitters[i].instance == MCV_NONE) continue;
         const mcv_extent extent = mcv_view_extent(view, scene, scene->emitters[i].instance);
-        if (extent.depth[0] >= depth && mcv_view_shows(view, &extent)) return true;
+        if (mcv_view_shows(view, &extent)) depth = fmax(depth, extent.depth[0]);
     }
-    return false;
+    return depth;
 }
 
 /* The worst of one sensor's outlines. */
@@ -199,7 +201,7 @@ static void judge_outline(const mcv_facets *f, const mcv_view *view, worst_outli
     }
     if (!(most > tolerated)) return;
     const mcv_extent extent = mcv_view_extent(view, f->scene, f->instance);
-    worst->backlit = worst->backlit || is_backlit(f->scene, view, extent.depth[1]);
+    worst->backlit = worst->backlit || backlight_depth(f->scene, view) >= extent.depth[1];
     ++worst->parts;
     if (most <= worst->pixels) return;
     worst->pixels = most;
@@ -224,15 +226,33 @@ static mcv_result report_outline(const mcv_scene *scene, const mcv_view *view,
         mcv_length_in_words(tolerated * worst->metres / worst->pixels, text[1]));
 }
 
+/* Has the instance an outline to be judged? */
+static bool has_outline(const mcv_scene *scene, uint32_t instance) {
+    return mcv_is_part(scene, instance) &&
+           scene->meshes[scene->instances[instance].mesh].triangle_count > 0;
+}
+
+/* Does a sensor see a part before a light? Without that an outline is worth a note at most. */
+static bool some_backlit(const mcv_scene *scene) {
+    for (uint32_t s = 0; s < scene->sensor_count; ++s) {
+        const mcv_view view = mcv_view_of(scene->sensors + s);
+        const double depth = backlight_depth(scene, &view);
+        for (uint32_t i = 0; i < scene->instance_count && depth > -INFINITY; ++i)
+            if (has_outline(scene, i) && depth >= mcv_view_extent(&view, scene, i).depth[1])
+                return true;
+    }
+    return false;
+}
+
 mcv_result mcv_find_outline(const mcv_scene *scene, mcv_findings *findings, mcv_error *error) {
     mcv_result result = MCV_OK;
+    if (findings->least > MCV_SEVERITY_NOTE && !some_backlit(scene)) return MCV_OK;
     worst_outline *worst = calloc((size_t)scene->sensor_count + 1, sizeof *worst);
     if (!worst)
         return mcv_fail(error, MCV_FAILED, "%s: no memory for what its sensors see", scene->path);
     for (uint32_t i = 0; i < scene->instance_count && result == MCV_OK; ++i) {
         mcv_facets f;
-        if (!mcv_is_part(scene, i) || scene->meshes[scene->instances[i].mesh].triangle_count == 0)
-            continue;
+        if (!has_outline(scene, i)) continue;
         result = mcv_facets_of(scene, i, &f, error);
         if (result != MCV_OK) break;
         for (uint32_t s = 0; f.curved_count >= MCV_LEAST_BENDS && s < scene->sensor_count; ++s) {

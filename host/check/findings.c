@@ -31,6 +31,7 @@ static char *make_path(const char *kind, const char *name, const char *key) {
 mcv_result mcv_findings_add(mcv_findings *findings, mcv_severity severity, const char *kind,
                             const char *name, const char *key, mcv_error *error, const char *format,
                             ...) {
+    if (severity < findings->least) return MCV_OK;
     mcv_finding *items = realloc(findings->items, (findings->count + 1) * sizeof *items);
     if (!items) return mcv_fail(error, MCV_FAILED, "no memory for the findings");
     findings->items = items;
@@ -50,8 +51,7 @@ mcv_result mcv_findings_add(mcv_findings *findings, mcv_severity severity, const
     return mcv_fail(error, MCV_FAILED, "no memory for the findings");
 }
 
-mcv_result mcv_findings_of(const mcv_scene *scene, mcv_findings *findings, mcv_error *error) {
-    *findings = (mcv_findings){0};
+static mcv_result find_all(const mcv_scene *scene, mcv_findings *findings, mcv_error *error) {
     mcv_result result = MCV_OK;
     for (uint32_t i = 0; i < scene->warning_count && result == MCV_OK; ++i)
         result = mcv_findings_add(findings, MCV_SEVERITY_WARNING, "", NULL, NULL, error, "%s",
@@ -62,6 +62,16 @@ mcv_result mcv_findings_of(const mcv_scene *scene, mcv_findings *findings, mcv_e
 #undef MCV_X
     if (result != MCV_OK) mcv_findings_free(findings);
     return result;
+}
+
+mcv_result mcv_findings_of(const mcv_scene *scene, mcv_findings *findings, mcv_error *error) {
+    *findings = (mcv_findings){.least = MCV_SEVERITY_NOTE};
+    return find_all(scene, findings, error);
+}
+
+mcv_result mcv_warnings_of(const mcv_scene *scene, mcv_findings *findings, mcv_error *error) {
+    *findings = (mcv_findings){.least = MCV_SEVERITY_WARNING};
+    return find_all(scene, findings, error);
 }
 
 mcv_result mcv_find_extras(const mcv_scene *scene, mcv_findings *findings, mcv_error *error) {

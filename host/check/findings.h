@@ -34,6 +34,7 @@ typedef struct mcv_finding {
 typedef struct mcv_findings {
     mcv_finding *items;
     size_t count;
+    mcv_severity least; /* of what is looked for and kept */
 } mcv_findings;
 
 /*
@@ -86,8 +87,12 @@ typedef struct mcv_findings {
  * freed by mcv_findings_free. */
 mcv_result mcv_findings_of(const mcv_scene *scene, mcv_findings *findings, mcv_error *error);
 
-/* Adds a finding with the path kind/name/key; key may be NULL, and an empty name is omitted. Fails
- * only without memory. */
+/* The same without notes: what only notes would need is not computed, such as the outlines of parts
+ * before no light. */
+mcv_result mcv_warnings_of(const mcv_scene *scene, mcv_findings *findings, mcv_error *error);
+
+/* Adds a finding with the path kind/name/key, if it is severe enough; key may be NULL, and an empty
+ * name is omitted. Fails only without memory. */
 mcv_result mcv_findings_add(mcv_findings *findings, mcv_severity severity, const char *kind,
                             const char *name, const char *key, mcv_error *error, const char *format,
                             ...) __attribute__((format(printf, 7, 8)));

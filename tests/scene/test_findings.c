@@ -28,6 +28,25 @@ static int look_for(const mcv_scene *scene, const char *words, mcv_finding *foun
     return count;
 }
 
+/* Warnings are the findings without notes. */
+static void expect_warnings(const mcv_scene *scene, const char *what) {
+    mcv_findings all, warnings;
+    size_t said = 0;
+    BUILD(mcv_findings_of(scene, &all, &builder_error));
+    BUILD(mcv_warnings_of(scene, &warnings, &builder_error));
+    for (size_t i = 0; i < all.count; ++i) {
+        if (all.items[i].severity == MCV_SEVERITY_NOTE) continue;
+        if (said == warnings.count ||
+            strcmp(warnings.items[said].sentence, all.items[i].sentence) != 0)
+            fail_msg("%s: no warning says \"%s\"", what, all.items[i].sentence);
+        ++said;
+    }
+    if (said < warnings.count)
+        fail_msg("%s: only a warning says \"%s\"", what, warnings.items[said].sentence);
+    mcv_findings_free(&all);
+    mcv_findings_free(&warnings);
+}
+
 /* One finding with these words, this severity and this path, and of the numbers (or no) all;
  * severity -1: none says so. The scene is freed.
  */
@@ -35,6 +54,7 @@ static void expect(mcv_scene *scene, const char *what, const char *words, int se
                    const char *path, const char *number) {
     mcv_finding found = {.path = (char *)"", .sentence = (char *)""};
     const int count = look_for(scene, words, &found);
+    expect_warnings(scene, what);
     if (count != (severity >= 0))
         fail_msg("%s: \"%s\" was said %d times: %s", what, words, count, found.sentence);
     if (severity >= 0 && (int)found.severity != severity)
@@ -567,6 +587,7 @@ static void test_shipped_scenes(void **state) {
             if (!expected) fail_msg("%s: %s", scenes.gl_pathv[i], findings.items[k].sentence);
         }
         mcv_findings_free(&findings);
+        expect_warnings(scene, scenes.gl_pathv[i]);
         mcv_scene_free(scene);
     }
     globfree(&scenes);
