@@ -66,6 +66,15 @@ def schema(library: ctypes.CDLL, verb: str) -> Dict[str, Any]:
 
 BOXES = ("region", "edge", "caliper", "circle", "arc")
 PLURAL = (*BOXES, "line", "metric", "tie", "objective")
+# Texts of the program that are file names, or numbers that may have a unit.
+PATHS = (
+    "calibration calibrate checkpoint film grid html images lens-mtf output png rig slope-png svg "
+    "truth white"
+).split()
+QUANTITIES = (
+    "depth false-calls field-of-view focal-length length lost-below pixel-size saturated-above "
+    "size step threshold working-distance"
+).split()
 NAMED = ("metric", "tie", "until", "index", "objective", "better", "correlate")
 
 
@@ -75,7 +84,8 @@ def type_of(name: str, option: Dict[str, Any]) -> str:
     if name == "background":
         return "Box"
     if "enum" in option:
-        return "Literal[%s]" % ", ".join('"%s"' % word for word in option["enum"])
+        words = (str(w) if isinstance(w, bool) else '"%s"' % w for w in option["enum"])
+        return "Literal[%s]" % ", ".join(words)
     if "anyOf" in option and name == "output":
         return "Files"
     if "anyOf" in option:
@@ -84,10 +94,20 @@ def type_of(name: str, option: Dict[str, Any]) -> str:
         return "Size"
     if isinstance(option["type"], list):
         return "Quantities"
-    if name in ("device",):
+    if name in ("device", "sensor", "triangle"):
         return "Union[int, str]"
-    if name in ("output", "html", "images", "grid", "white"):
+    if name in PATHS:
         return "Path"
+    if name == "within":
+        return "Box"
+    if name == "best":
+        return "Union[str, Mapping[str, str]]"
+    if name == "range":
+        return "Size"
+    if option["type"] == "string" and name in QUANTITIES:
+        return "Quantity"
+    if option["type"] == "string" and name in ("at", "direction"):
+        return "Quantities"
     return {"integer": "int", "number": "float", "boolean": "bool", "string": "str"}[option["type"]]
 
 
@@ -515,6 +535,7 @@ if TYPE_CHECKING:
         Named,
         Path,
         Quantities,
+        Quantity,
         Size,
         Texts,
         Values,

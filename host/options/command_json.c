@@ -121,15 +121,21 @@ static mcv_result add_argument(mcv_arguments *arguments, char *text, mcv_error *
     return MCV_OK;
 }
 
+static mcv_result add_word(mcv_arguments *arguments, const char *key, const char *word,
+                           mcv_error *error) {
+    char *text = NULL;
+    const int length = asprintf(&text, "--%s=%s", key, word);
+    return add_argument(arguments, length < 0 ? NULL : text, error);
+}
+
 /* One value as "--KEY=VALUE"; what is false or null is left out. */
 static mcv_result add_value(mcv_arguments *arguments, const char *path, const char *key,
                             const json_t *value, mcv_error *error) {
     char *text = NULL;
     int length = 0;
     if (json_is_false(value) || json_is_null(value)) return MCV_OK;
-    if (json_is_string(value))
-        length = asprintf(&text, "--%s=%s", key, json_string_value(value));
-    else if (json_is_integer(value))
+    if (json_is_string(value)) return add_word(arguments, key, json_string_value(value), error);
+    if (json_is_integer(value))
         length = asprintf(&text, "--%s=%lld", key, (long long)json_integer_value(value));
     else if (json_is_real(value))
         length = asprintf(&text, "--%s=%.17g", key, json_real_value(value));
@@ -181,6 +187,8 @@ static mcv_result add_member(mcv_arguments *arguments, unsigned verb, const char
         (void)mcv_option_fail_unknown(verb, name, &detail);
         return mcv_fail(error, MCV_BAD_INPUT, "%s: %s", path, detail.text);
     }
+    if (json_is_false(value) && o->kind == MCV_KIND_choice && mcv_option_has_word(o, "off"))
+        return add_word(arguments, name, "off", error);
     if (!json_is_array(value)) return add_value(arguments, path, name, value, error);
     if (o->kind == MCV_KIND_size) return add_numbers(arguments, path, name, "x", value, error);
     if (o->kind == MCV_KIND_range) return add_numbers(arguments, path, name, ":", value, error);

@@ -34,6 +34,7 @@ static json_t *option_schema(const mcv_option *o) {
              word += word[strcspn(word, "|")] ? strcspn(word, "|") + 1 : strcspn(word, "|"))
             json_array_append_new(words, json_stringn(word, strcspn(word, "|")));
         if (mcv_option_has_word(o, "on")) json_array_append_new(words, json_true());
+        if (mcv_option_has_word(o, "off")) json_array_append_new(words, json_false());
         return json_pack("{s:o}", "enum", words);
     }
     case MCV_KIND_text:

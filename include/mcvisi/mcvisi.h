@@ -26,7 +26,7 @@
  * of the options of the program's verb, with - or _ between words: {"expose-to": 0.8} and
  * {"expose_to": 0.8} are the same. A value is a text as on the command line ("10ms"), a number in
  * SI units, true or false, a list for options that may be repeated, and a list of numbers for sizes
- * and the like: [640, 480]. null leaves an option out.
+ * and the like: [640, 480]. null leaves an option out; so does false, unless "off" is a word.
  * An unknown key is MCV_USAGE. mcv_options_schema gives the JSON schema of a verb's options.
  * Options are JSON and not structs, because the list of them grows: the interface then stays
  * binary compatible, and program, library and other languages read one list.

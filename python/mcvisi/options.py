@@ -30,7 +30,7 @@ Files = Union[Path, Sequence[Path]]
 Values = Union[Sequence[Quantity], str]
 
 # How each option writes what is not a plain value.
-_SIGNS = {"resolution": "x", "angular": "x", "samples": ":"}
+_SIGNS = {"resolution": "x", "angular": "x", "samples": ":", "range": "/"}
 
 
 def _plain(value: Any, name: str) -> Any:
@@ -115,6 +115,8 @@ def _value(option: str, value: Any) -> Any:
     name = PLURALS.get(option) or option.replace("-", "_")
     if option in REPEATED:
         return _named(value, name, REPEATED[option][1])
+    if option == "best" and isinstance(value, Mapping) and len(value) == 1:
+        return _named(value, name, "=")[0]
     if option == "output" and _is_list(value):
         return [_plain(item, name) for item in value]
     if option == "pod" and isinstance(value, Mapping):

@@ -4,11 +4,15 @@
 MCVISI_PICTURES=1 puts the pictures that it makes into docs/python.
 """
 
+import ast
+import inspect
 import os
 import pathlib
 import re
 import shutil
+import textwrap
 
+import mcvisi as mv
 import numpy as np
 import pytest
 from mcvisi import examples
@@ -36,6 +40,30 @@ def run(tmp_path_factory):
     finally:
         os.chdir(before)
     return names, folder
+
+
+def test_calls_that_are_not_run():
+    """They take long: their arguments are those of the functions."""
+    blocks = re.findall(
+        r"(?:^    .*\n|^\n)+", re.sub(r"^```.*?^```$", "", PAGE, flags=re.S | re.M), re.M
+    )
+    blocks = [
+        block for block in map(textwrap.dedent, blocks) if re.search(r"\b(rig|mv|head)\.", block)
+    ]
+    found = 0
+    for node in (n for block in blocks for n in ast.walk(ast.parse(block))):
+        if isinstance(node, ast.Call) and isinstance(node.func, ast.Attribute):
+            owners = (mv, mv.Rig, mv.Image)
+            functions = [getattr(o, node.func.attr, None) for o in owners]
+            functions = [f for f in functions if inspect.isfunction(f)]
+            for function in functions:
+                given = inspect.signature(function).bind(
+                    *([None] if function.__qualname__ != function.__name__ else []),
+                    *(None for _ in node.args),
+                    **{word.arg: None for word in node.keywords},
+                )
+                found += bool(given)
+    assert found >= 8
 
 
 def test_the_first_script(run):

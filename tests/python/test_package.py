@@ -61,10 +61,13 @@ def test_signatures_follow_from_the_option_list():
 def test_types_are_strict(tmp_path):
     pytest.importorskip("mypy")
     (tmp_path / "user.py").write_text(
+        "import pathlib\n"
         "import mcvisi as mv\n"
         "rig = mv.new('telecentric', 'part.stl', unit='mm', resolution=(96, 64))\n"
         "image = rig.render(spp=16, sampler='sobol', progress=lambda state: state.fraction < 0.5)\n"
         "value = image.measure(edges={'left': (1, 2, 3, 4)})['left'].length\n"
+        "image = rig.render(split=False, checkpoint=pathlib.Path('a.film'), sensor=0)\n"
+        "rig.add_defect('dent', node='part', triangle=1, size=2e-4)\n"
         "rows = [row.message for row in rig.sweep({'a/b/c': [1, 2]}, metrics={'m': 'x'})]\n"
         "reveal_type(image.error)\n"
     )

@@ -5,6 +5,7 @@ import ctypes
 import pathlib
 import subprocess
 
+import mcvisi
 import numpy as np
 import pytest
 
@@ -75,6 +76,42 @@ def test_triangles(lapacke, transposed):
     assert np.allclose(b, np.linalg.solve(solved, right), rtol=0, atol=1e-12)
     a[3, 3] = 0
     assert lapacke.LAPACKE_dtrtrs(*call) == 4
+
+
+@pytest.mark.parametrize("size", [1, 3, 12])
+def test_eigenvectors(lapacke, size):
+    """By columns: a row here is a column there. Their signs are free."""
+    numbers = np.random.default_rng(size).normal(size=(size, size))
+    whole = numbers + numbers.T
+    a, values = np.full((size, size + 2), np.nan), np.zeros(size)
+    a[:, :size][np.tril_indices(size)] = whole[np.tril_indices(size)]
+    call = [102, char(b"V"), char(b"U"), size, pointer(a), size + 2, pointer(values)]
+    assert lapacke.LAPACKE_dsyev(*call) == 0
+    found, vectors = np.linalg.eigh(whole)
+    # Some ten rotations of each row round numbers of the size of the largest value.
+    assert np.allclose(values, found, rtol=0, atol=1e-14 * size * np.abs(found).max())
+    assert np.allclose(np.abs((a[:, :size] * vectors.T).sum(axis=1)), 1, rtol=0, atol=1e-12)
+    a[0, 0] = np.nan
+    assert lapacke.LAPACKE_dsyev(*call) == 1
+    assert lapacke.LAPACKE_dsyev(101, *call[1:]) < 0
+
+
+@pytest.mark.parametrize("source, prefix", [("lapacke.c", "LAPACKE_"), ("cairo.c", "cairo_")])
+def test_all_that_the_library_calls_is_there(source, prefix, tmp_path):
+    """A wheel without one of them cannot be loaded."""
+
+    def symbols(*options):
+        listed = subprocess.run(["nm", "-D", *options], capture_output=True, text=True, check=True)
+        names = {line.split()[-1].split("@")[0] for line in listed.stdout.splitlines()}
+        return {name for name in names if name.startswith(prefix)}
+
+    target = tmp_path / "stand-in.so"
+    subprocess.run(
+        ["cc", "-shared", "-fPIC", "-o", target, SOURCE.parent / source, "-lm"], check=True
+    )
+    library = pathlib.Path(mcvisi.__file__).parent / "libmcvisi.so"
+    wanted = symbols("--undefined-only", library)
+    assert wanted and wanted <= symbols("--defined-only", target)
 
 
 def test_what_is_not_there(lapacke):

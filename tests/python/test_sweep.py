@@ -2,6 +2,7 @@
 """Sweeps: rows as they finish, tables."""
 
 import io
+import json
 import math
 import signal
 import sys
@@ -55,7 +56,7 @@ def test_parts_of_a_sweep_are_merged(rig, tmp_path):
     whole = sweep_of(rig, output=tmp_path / "whole.csv")
     tables = [tmp_path / ("%d.csv" % i) for i in (0, 1)]
     for i, table in enumerate(tables):
-        list(sweep_of(rig, range="%d/2" % i, output=table))
+        list(sweep_of(rig, range=(i, 2), best={"u": "smallest"}, output=table))
     told = mv.merge_tables(tables[::-1], tmp_path / "merged.csv")
     assert told["tables"] == 2 and told["rows"] == len(whole.rows) == 6
     # But for the seconds, that of one sweep.
@@ -67,6 +68,21 @@ def test_parts_of_a_sweep_are_merged(rig, tmp_path):
     with pytest.raises(mv.Error, match="merged.csv"):
         mv.merge_tables(tables, tmp_path / "merged.csv")
     mv.merge_tables(tables, tmp_path / "merged.csv", force=True)
+
+
+@pytest.mark.parametrize("given, meant", [(False, "off"), (True, "on"), (None, None)])
+def test_off_and_on_are_false_and_true(rig, tmp_path, given, meant):
+    """By the experiment, which holds what was given."""
+    sweep = rig.sweep(
+        {"sensors/camera/fNumber": [8]},
+        metrics=["mean"],
+        output=tmp_path / "t.csv",
+        light_paths=given,
+        spp=4,
+        progress=False,
+    )
+    assert len(sweep.rows) == 1
+    assert json.loads((tmp_path / "t.json").read_text()).get("light-paths") == meant
 
 
 def test_the_rig_may_change_meanwhile(rig):
