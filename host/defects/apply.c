@@ -67,16 +67,7 @@ static mcv_result replace_all(mcv_scene *scene, const mcv_defect *defect, const 
     for (uint32_t i = defect->instances[1]; i-- > defect->instances[0];)
         MCV_TRY(
             replace_one(scene, i, defect, facets, marks[i - defect->instances[0]], place, error));
-    uint64_t triangles = 0;
-    for (uint32_t i = 0; i < scene->instance_count; ++i) {
-        scene->instances[i].first_triangle = (uint32_t)triangles;
-        triangles += scene->meshes[scene->instances[i].mesh].triangle_count;
-        if (triangles > INT32_MAX)
-            return mcv_fail_at(place, error, "with it the scene has more than %d triangles",
-                               INT32_MAX);
-    }
-    scene->triangle_count = (uint32_t)triangles;
-    return MCV_OK;
+    return mcv_scene_number_triangles(scene, place, error);
 }
 
 /* A byte for each triangle of the defect's instances; NULL without memory. */

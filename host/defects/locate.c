@@ -257,11 +257,9 @@ mcv_result mcv_defect_locate(const mcv_scene *scene, const mcv_defect_site *site
     if (found != MCV_OK || !node) return found;
     const uint32_t triangles = count_triangles(scene, node->instances);
     if (!triangles)
-        return mcv_fail_at(
-            &here, error,
-            "\"%s\" must have a mesh, with the nodes below it: exact surfaces have no "
-            "triangles that a defect could move",
-            site->node);
+        return mcv_fail_at(&here, error,
+                           "\"%s\" must have a mesh or an exact surface, with the nodes below it",
+                           site->node);
     memcpy(defect->instances, node->instances, sizeof defect->instances);
     if (site->by_point)
         MCV_TRY(find_by_point(scene, node, site, defect->size / 2, &at, place, error));

@@ -4,6 +4,7 @@
 
 #include "defects/defects.h"
 #include "scene/params.h"
+#include "scene/solid.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -166,11 +167,31 @@ static mcv_result define(mcv_loader *loader, const json_t *object, size_t index,
     return result;
 }
 
+/* A surface that gets a defect becomes a mesh, which can be changed. */
+static mcv_result make_meshes(mcv_loader *loader, const json_t *object, const mcv_json_path *place,
+                              mcv_error *error) {
+    const mcv_placement *node = NULL;
+    const char *name;
+    uint32_t type;
+    const mcv_json_path here = mcv_json_path_key(place, "node");
+    MCV_TRY(mcv_element_type(object, mcv_defect_types, MCV_DEFECT_COUNT, &type, place, error));
+    MCV_TRY(mcv_json_string(object, "node", &name, place, error));
+    if (!name || mcv_defect_is_inside(type)) return MCV_OK; /* define() tells what is missing */
+    const mcv_result found = mcv_defect_node(loader->scene, name, &node, place, error);
+    if (found != MCV_OK || !node) return found;
+    return mcv_scene_mesh_solids(loader->scene, node->instances, &here, error);
+}
+
 /* All are placed before the first one changes the surface. */
 mcv_result mcv_load_defects(mcv_loader *loader, mcv_error *error) {
     json_t *array;
     MCV_TRY(mcv_load_array(loader, "MCVISI_defects", "defects", &array, error));
     const mcv_json_path place = mcv_json_path_key(&loader->file, "defects");
+    for (size_t i = 0; i < json_array_size(array); ++i) {
+        const json_t *object = json_array_get(array, i);
+        const mcv_json_path here = mcv_json_path_element(&place, mcv_json_name(object), i);
+        MCV_TRY(make_meshes(loader, object, &here, error));
+    }
     for (size_t i = 0; i < json_array_size(array); ++i) {
         const json_t *object = json_array_get(array, i);
         const mcv_json_path here = mcv_json_path_element(&place, mcv_json_name(object), i);

@@ -53,6 +53,8 @@ mcv_result ref_media_at(const ref_geometry *geometry, ref_vec point, int *windin
     media->count = 0;
     for (uint32_t i = 0; i < scene->instance_count; ++i) winding[i] = 0;
     ref_add_windings(geometry, point, anywhere, winding);
+    for (uint32_t i = scene->instance_count; i-- > 1;)
+        if (scene->instances[i].closes_previous) winding[i - 1] += winding[i];
     for (uint32_t i = 0; i < scene->instance_count; ++i) {
         if (!mcv_material_has_medium(scene->materials[scene->instances[i].material].type) ||
             winding[i] <= 0)

@@ -22,6 +22,20 @@ static void renumber(mcv_scene *scene, uint32_t after) {
     }
 }
 
+mcv_result mcv_scene_number_triangles(mcv_scene *scene, const mcv_json_path *place,
+                                      mcv_error *error) {
+    uint64_t triangles = 0;
+    for (uint32_t i = 0; i < scene->instance_count; ++i) {
+        scene->instances[i].first_triangle = (uint32_t)triangles;
+        triangles += scene->meshes[scene->instances[i].mesh].triangle_count;
+        if (triangles > INT32_MAX)
+            return mcv_fail_at(place, error, "with it the scene has more than %d triangles",
+                               INT32_MAX);
+    }
+    scene->triangle_count = (uint32_t)triangles;
+    return MCV_OK;
+}
+
 mcv_result mcv_scene_insert_instance(mcv_scene *scene, uint32_t after, const mcv_instance *instance,
                                      mcv_error *error) {
     MCV_TRY(mcv_scene_add_instance(scene, instance, error));

@@ -68,6 +68,7 @@ typedef struct mcv_instance {
     uint32_t emitter; /* index into emitters, or MCV_NONE */
     uint32_t first_triangle;
     bool moves;             /* by the scene's part_motion */
+    bool closes_previous;   /* the rim of a body whose other surfaces are the instance before it */
     mcv_transform to_world; /* may mirror: the winding is then reversed, and the normal stays on the
                                front side */
 } mcv_instance;
@@ -228,6 +229,9 @@ mcv_result mcv_scene_add_emitter(mcv_scene *scene, const mcv_emitter *emitter, m
  * this one. Instances and triangles behind it get other numbers. */
 mcv_result mcv_scene_insert_instance(mcv_scene *scene, uint32_t after, const mcv_instance *instance,
                                      mcv_error *error);
+/* insert.c: numbers the triangles of all instances anew. Fails where they are too many. */
+mcv_result mcv_scene_number_triangles(mcv_scene *scene, const mcv_json_path *place,
+                                      mcv_error *error);
 mcv_result mcv_scene_add_sensor(mcv_scene *scene, const mcv_sensor *sensor, mcv_error *error);
 
 /* `to_world` may scale. A node without a name or with an axis of length 0 is ignored. MCV_FAILED

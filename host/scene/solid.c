@@ -10,7 +10,7 @@
 /* Radii at which a surface is looked at. */
 enum { PLACES = 64 };
 
-static bool is_asphere(const mcv_cap *cap) {
+bool mcv_cap_is_asphere(const mcv_cap *cap) {
     for (int i = 0; i < MCV_ASPHERE_TERMS; ++i)
         if (cap->asphere[i] != 0) return true;
     return false;
@@ -54,7 +54,7 @@ mcv_result mcv_cap_check(const mcv_cap *cap, double radius, const mcv_json_path 
                            "a semi-diameter of %g m lies beyond the surface, which ends at %g m "
                            "from the axis (radius %g m, conic %g)",
                            radius, largest, 1 / c, cap->conic);
-    if (is_asphere(cap) && rest < 1e-3)
+    if (mcv_cap_is_asphere(cap) && rest < 1e-3)
         return mcv_fail_at(
             place, error,
             "an asphere must end before its base becomes vertical, at %g m from the axis; its "
@@ -79,7 +79,8 @@ static void height_range(const mcv_solid *solid, const mcv_cap *cap, double *low
     }
     /* Between two places it bends by this much at most. */
     const double step = reach(solid) / PLACES,
-                 more = is_asphere(cap) ? mcv_cap_bend(cap, reach(solid)) * step * step / 8 : 0;
+                 more = mcv_cap_is_asphere(cap) ? mcv_cap_bend(cap, reach(solid)) * step * step / 8
+                                                : 0;
     *low -= more, *high += more;
 }
 

@@ -14,6 +14,9 @@
  */
 double mcv_cap_height(const mcv_cap *cap, double x, double y);
 
+/* Has it a coefficient above those of a conic? */
+bool mcv_cap_is_asphere(const mcv_cap *cap);
+
 /* Is the surface defined up to this radius? */
 mcv_result mcv_cap_check(const mcv_cap *cap, double radius, const mcv_json_path *place,
                          mcv_error *error);
@@ -33,5 +36,14 @@ bool mcv_solid_holds(const mcv_solid *solid, const double point[3]);
 
 /* Largest |d²z/dr²| and |dz/dr|/r of a cap up to the radius [1/m]. */
 double mcv_cap_bend(const mcv_cap *cap, double radius);
+
+/*
+ * tessellate.c: makes the solids of these instances meshes, with the exact normals in their
+ * vertices. Chords lie within 50 nm of the surface, or as near as 500 000 triangles for a face
+ * come. The meshes are closed; a rim of another material is an instance behind that of the caps, as
+ * before. Fails for cemented solids of different radii, whose faces would not meet.
+ */
+mcv_result mcv_scene_mesh_solids(mcv_scene *scene, const uint32_t instances[2],
+                                 const mcv_json_path *place, mcv_error *error);
 
 #endif

@@ -173,8 +173,6 @@ static void refuses_bad_input(void **state) {
     refuses("{\"type\":\"bubble\",\"node\":\"block\",\"triangle\":0,\"size\":1e-3}", "\"at\"");
     refuses("{\"type\":\"inclusion\",\"node\":\"block\",\"at\":[0,0,0],\"size\":1e-3}",
             "\"material\"");
-    refuses("{\"type\":\"dent\",\"node\":\"block\",\"at\":[0,0,0.01],\"size\":1e-3}",
-            "exact surfaces have no triangles");
     refuses("{\"type\":\"bubble\",\"node\":\"block\",\"density\":5,\"size\":1e-3}", "\"count\"");
     refuses("{\"type\":\"dent\",\"node\":\"plate\",\"count\":5,\"at\":[0,0,0],\"size\":1e-3}",
             "by chance");
