@@ -31,6 +31,16 @@ uint32_t mcv_body_end(const mcv_scene *scene, uint32_t first);
 /* Neither the instance nor its node emits: housings and half mirrors belong to lights. */
 bool mcv_is_part(const mcv_scene *scene, uint32_t instance);
 
+/*
+ * Walks over the instances that are parts, each node looked at once:
+ *
+ *     for (uint32_t end = 0, i = mcv_next_part(scene, 0, &end); i < scene->instance_count;
+ *          i = mcv_next_part(scene, i + 1, &end))
+ *
+ * The first part from `i` on, or the number of instances. end: the end of the parts that are known.
+ */
+uint32_t mcv_next_part(const mcv_scene *scene, uint32_t i, uint32_t *end);
+
 /* Does a smooth surface change the direction of rays, so that what is seen lies elsewhere? */
 bool mcv_is_mirror(const mcv_material *material);
 

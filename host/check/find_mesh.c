@@ -227,9 +227,8 @@ static mcv_result report_outline(const mcv_scene *scene, const mcv_view *view,
 }
 
 /* Has the instance an outline to be judged? */
-static bool has_outline(const mcv_scene *scene, uint32_t instance) {
-    return mcv_is_part(scene, instance) &&
-           scene->meshes[scene->instances[instance].mesh].triangle_count > 0;
+static bool has_triangles(const mcv_scene *scene, uint32_t instance) {
+    return scene->meshes[scene->instances[instance].mesh].triangle_count > 0;
 }
 
 /* Does a sensor see a part before a light? Without that an outline is worth a note at most. */
@@ -237,8 +236,9 @@ static bool some_backlit(const mcv_scene *scene) {
     for (uint32_t s = 0; s < scene->sensor_count; ++s) {
         const mcv_view view = mcv_view_of(scene->sensors + s);
         const double depth = backlight_depth(scene, &view);
-        for (uint32_t i = 0; i < scene->instance_count && depth > -INFINITY; ++i)
-            if (has_outline(scene, i) && depth >= mcv_view_extent(&view, scene, i).depth[1])
+        for (uint32_t end = 0, i = mcv_next_part(scene, 0, &end);
+             i < scene->instance_count && depth > -INFINITY; i = mcv_next_part(scene, i + 1, &end))
+            if (has_triangles(scene, i) && depth >= mcv_view_extent(&view, scene, i).depth[1])
                 return true;
     }
     return false;
@@ -250,9 +250,10 @@ mcv_result mcv_find_outline(const mcv_scene *scene, mcv_findings *findings, mcv_
     worst_outline *worst = calloc((size_t)scene->sensor_count + 1, sizeof *worst);
     if (!worst)
         return mcv_fail(error, MCV_FAILED, "%s: no memory for what its sensors see", scene->path);
-    for (uint32_t i = 0; i < scene->instance_count && result == MCV_OK; ++i) {
+    for (uint32_t end = 0, i = mcv_next_part(scene, 0, &end);
+         i < scene->instance_count && result == MCV_OK; i = mcv_next_part(scene, i + 1, &end)) {
         mcv_facets f;
-        if (!has_outline(scene, i)) continue;
+        if (!has_triangles(scene, i)) continue;
         result = mcv_facets_of(scene, i, &f, error);
         if (result != MCV_OK) break;
         for (uint32_t s = 0; f.curved_count >= MCV_LEAST_BENDS && s < scene->sensor_count; ++s) {

@@ -86,10 +86,9 @@ mcv_result mcv_find_sees_nothing(const mcv_scene *scene, mcv_findings *findings,
 
 /* Does the image show a mirror? Things seen in it lie elsewhere. */
 static bool shows_mirror(const mcv_view *view, const mcv_scene *scene) {
-    for (uint32_t i = 0; i < scene->instance_count; ++i) {
-        if (!mcv_is_mirror(scene->materials + scene->instances[i].material) ||
-            !mcv_is_part(scene, i))
-            continue;
+    for (uint32_t end = 0, i = mcv_next_part(scene, 0, &end); i < scene->instance_count;
+         i = mcv_next_part(scene, i + 1, &end)) {
+        if (!mcv_is_mirror(scene->materials + scene->instances[i].material)) continue;
         const mcv_extent extent = mcv_view_extent(view, scene, i);
         if (mcv_view_shows(view, &extent)) return true;
     }
@@ -147,8 +146,8 @@ mcv_result mcv_find_outside(const mcv_scene *scene, mcv_findings *findings, mcv_
         uint32_t nearest = MCV_NONE;
         double least = INFINITY;
         bool shown = false;
-        for (uint32_t i = 0; i < scene->instance_count && !shown; ++i) {
-            if (!mcv_is_part(scene, i)) continue;
+        for (uint32_t end = 0, i = mcv_next_part(scene, 0, &end);
+             i < scene->instance_count && !shown; i = mcv_next_part(scene, i + 1, &end)) {
             const mcv_extent extent = mcv_view_extent(&view, scene, i);
             shown = mcv_view_shows(&view, &extent);
             const double here = remoteness(&view, &extent);
@@ -189,9 +188,10 @@ mcv_result mcv_find_defocus(const mcv_scene *scene, mcv_findings *findings, mcv_
         double least = INFINITY, at = 0, nearest_glass = INFINITY, farthest = 0;
         uint32_t sharpest = MCV_NONE;
         if (isnan(view.optics.focused_depth) || shows_mirror(&view, scene)) continue;
-        for (uint32_t i = 0; i < scene->instance_count; ++i) {
+        for (uint32_t end = 0, i = mcv_next_part(scene, 0, &end); i < scene->instance_count;
+             i = mcv_next_part(scene, i + 1, &end)) {
             const mcv_extent extent = mcv_view_extent(&view, scene, i);
-            if (!mcv_is_part(scene, i) || !mcv_view_shows(&view, &extent)) continue;
+            if (!mcv_view_shows(&view, &extent)) continue;
             double depth;
             const double blur = least_blur(&view, extent.depth, &depth);
             if (mcv_material_has_medium(scene->materials[scene->instances[i].material].type))

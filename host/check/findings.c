@@ -129,15 +129,30 @@ uint32_t mcv_body_end(const mcv_scene *scene, uint32_t first) {
     return last;
 }
 
+static bool any_emits(const mcv_scene *scene, uint32_t first, uint32_t end) {
+    for (uint32_t i = first; i < end; ++i)
+        if (scene->instances[i].emitter != MCV_NONE) return true;
+    return false;
+}
+
+/* Of a node without a name each instance stands for itself. */
+static uint32_t named_end(const mcv_scene *scene, uint32_t first) {
+    return *scene->instances[first].name ? mcv_node_end(scene, first) : first + 1;
+}
+
 bool mcv_is_part(const mcv_scene *scene, uint32_t instance) {
     const char *name = scene->instances[instance].name;
     uint32_t first = instance;
-    while (first > 0 && strcmp(scene->instances[first - 1].name, name) == 0) --first;
-    if (!*name)
-        return scene->instances[instance].emitter == MCV_NONE; /* the node has no name of its own */
-    for (uint32_t i = first; i < mcv_node_end(scene, first); ++i)
-        if (scene->instances[i].emitter != MCV_NONE) return false;
-    return true;
+    while (*name && first > 0 && strcmp(scene->instances[first - 1].name, name) == 0) --first;
+    return !any_emits(scene, first, named_end(scene, first));
+}
+
+uint32_t mcv_next_part(const mcv_scene *scene, uint32_t i, uint32_t *end) {
+    while (i >= *end && i < scene->instance_count) {
+        *end = named_end(scene, i);
+        if (any_emits(scene, i, *end)) i = *end;
+    }
+    return i;
 }
 
 bool mcv_is_mirror(const mcv_material *material) {

@@ -29,9 +29,10 @@ static bool frame(mcv_drawing *c, double parts[2]) {
     double deepest = isfinite(c->focus) && c->focus > 0 ? c->focus : 0;
     parts[0] = INFINITY;
     parts[1] = -INFINITY;
-    for (uint32_t i = 0; i < c->scene->instance_count; ++i) {
+    for (uint32_t end = 0, i = mcv_next_part(c->scene, 0, &end); i < c->scene->instance_count;
+         i = mcv_next_part(c->scene, i + 1, &end)) {
         const mcv_extent e = mcv_view_extent(c->view, c->scene, i);
-        if (!mcv_is_part(c->scene, i) || !mcv_view_shows(c->view, &e)) continue;
+        if (!mcv_view_shows(c->view, &e)) continue;
         parts[0] = fmin(parts[0], e.depth[0]);
         parts[1] = fmax(parts[1], e.depth[1]);
     }
@@ -92,18 +93,29 @@ static double area_of(const mcv_scene *scene, uint32_t i) {
     return hypot(hypot(upper[0] - lower[0], upper[1] - lower[1]), upper[2] - lower[2]);
 }
 
+/* The area above which parts are named: of the LABELS-th largest part, or 0. */
+static double named_area(const mcv_scene *scene) {
+    double largest[LABELS] = {0}; /* descending */
+    for (uint32_t end = 0, i = mcv_next_part(scene, 0, &end); i < scene->instance_count;
+         i = mcv_next_part(scene, i + 1, &end)) {
+        double area = area_of(scene, i);
+        for (int k = 0; k < LABELS; ++k) {
+            const double other = largest[k];
+            if (!(area > other)) continue;
+            largest[k] = area;
+            area = other;
+        }
+    }
+    return largest[LABELS - 1];
+}
+
 /* Is an instance one of the few largest, which are named? Lights are always named, once per
  * node. */
-static bool is_named(const mcv_scene *scene, uint32_t instance) {
-    uint32_t larger = 0;
+static bool is_named(const mcv_scene *scene, uint32_t instance, double least) {
     if (instance > 0 &&
         strcmp(scene->instances[instance - 1].name, scene->instances[instance].name) == 0)
         return false;
-    if (!mcv_is_part(scene, instance)) return true;
-    for (uint32_t i = 0; i < scene->instance_count && larger < LABELS; ++i)
-        larger +=
-            i != instance && mcv_is_part(scene, i) && area_of(scene, i) > area_of(scene, instance);
-    return larger < LABELS;
+    return !mcv_is_part(scene, instance) || area_of(scene, instance) >= least;
 }
 
 /* Opens a drawing as a figure on a page. */
@@ -142,8 +154,9 @@ bool mcv_put_drawing(mcv_drawing *c) {
     for (uint32_t i = 0; i < c->scene->emitter_count; ++i) mcv_put_beam(c, i);
     mcv_put_camera(c);
     if (isfinite(c->focus) && c->focus > 0) mcv_put_field(c);
+    const double least = named_area(c->scene);
     for (uint32_t i = 0; i < c->scene->instance_count; ++i)
-        mcv_put_outline(c, i, is_named(c->scene, i));
+        mcv_put_outline(c, i, is_named(c->scene, i, least));
     for (uint32_t i = 0; i < c->scene->emitter_count; ++i)
         mcv_put_source(c, c->scene->emitters + i);
     fprintf(c->out, "<path class=\"axis\" d=\"M%.1f %.1fH%.1f\"/>\n", mcv_drawing_x(c, c->depth[0]),

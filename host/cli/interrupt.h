@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Signals. SIGINT, SIGTERM, SIGHUP and SIGXCPU request to finish and save; the second of them, if it
- * comes half a second later or more, ends the program at once. SIGUSR1 requests to save and go on. A
- * file above the limit of its size is an error of its write, no signal.
+ * Signals. SIGINT, SIGTERM, SIGHUP and SIGXCPU request to finish and save; the second of them, if
+ * it comes half a second later or more, ends the program at once. SIGUSR1 requests to save and go
+ * on. A file above the limit of its size is an error of its write, no signal.
  */
 #ifndef MCVISI_HOST_CLI_INTERRUPT_H
 #define MCVISI_HOST_CLI_INTERRUPT_H
@@ -26,9 +26,9 @@ void mcv_interrupt_keep_saves(void);
 bool mcv_interrupt_take_save(void);
 
 /*
- * Installs all handlers, unless a signal to end was received. While saving, the second signal
- * does nothing, so that no temporary file remains. To be called again after kernels were compiled: LLVM
- * in OpenCL drivers installs handlers of its own. SIGHUP stays ignored where it was (nohup).
+ * Installs all handlers. While saving, the second signal
+ * does nothing, so that no temporary file remains. To be called again after kernels were compiled:
+ * LLVM in OpenCL drivers installs handlers of its own. SIGHUP stays ignored where it was (nohup).
  */
 void mcv_interrupt_watch(bool saving);
 

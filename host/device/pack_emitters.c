@@ -20,13 +20,12 @@ static double sum_of_channels(const mcv_emitter *emitter, const double image[3])
 }
 
 /* Power over all channels. For emitters at infinity, the power that falls on the scene's bounding
- * ball. */
-static double emitter_power(const mcv_scene *scene, const mcv_packed *packed,
-                            const mcv_emitter *emitter) {
+ * ball. size: of the scene, mcv_packed_size. */
+static double emitter_power(const mcv_scene *scene, double size, const mcv_emitter *emitter) {
     double mean[3];
     mcv_emitter_image_mean(scene, emitter, mean);
     const double brightness = sum_of_channels(emitter, mean);
-    const double disk = M_PI * pow(mcv_packed_size(packed) / 2, 2);
+    const double disk = M_PI * pow(size / 2, 2);
     if (emitter->type == MCV_EMITTER_DIRECTIONAL) return brightness * disk;
     if (emitter->type == MCV_EMITTER_ENVIRONMENT)
         return brightness * mcv_emitter_solid_angle(emitter) * disk;
@@ -113,13 +112,13 @@ static void ways_to(const mcv_scene *scene, const mcv_packed *packed, uint32_t i
 /*
  * The region that the emitter can light, and how its light falls with distance
  * (kernels/light/selection.h). An emitter at infinity has the power that falls on the scene's
- * bounding ball.
+ * bounding ball. size: of the scene, mcv_packed_size.
  */
-static void find_reach(const mcv_scene *scene, const mcv_packed *packed, const mcv_emitter *from,
-                       mcv_device_emitter *to) {
-    const double size = mcv_packed_size(packed) / 2;
+static void find_reach(const mcv_scene *scene, const mcv_packed *packed, double size,
+                       const mcv_emitter *from, mcv_device_emitter *to) {
     to->radius = -1;
-    to->narrowest = (float)(size * size * (from->type == MCV_EMITTER_ENVIRONMENT ? 4 : 1));
+    to->narrowest =
+        (float)(size / 2 * (size / 2) * (from->type == MCV_EMITTER_ENVIRONMENT ? 4 : 1));
     if (from->type == MCV_EMITTER_ENVIRONMENT || from->type == MCV_EMITTER_DIRECTIONAL ||
         from->type == MCV_EMITTER_LASER)
         return;
@@ -144,7 +143,7 @@ static void find_reach(const mcv_scene *scene, const mcv_packed *packed, const m
             facing[k] += face[k] / length(face) / to->triangle_count;
     }
     /* The margin is four times the rounding of the corners. */
-    to->radius = nextafterf((float)(radius + mcv_packed_size(packed) * 0x1p-22), INFINITY);
+    to->radius = nextafterf((float)(radius + size * 0x1p-22), INFINITY);
     /* Flat within the resolution of float coordinates: if normals differ, their mean is shorter
      * than 1 by the square of the angle. */
     bool is_flat = length(facing) > 1 - 1e-12;
@@ -250,6 +249,7 @@ static mcv_result pack_laser(const mcv_scene *scene, mcv_packed *packed, const m
 mcv_result mcv_pack_emitters(const mcv_scene *scene, mcv_packed *packed, mcv_error *error) {
     uint32_t *cdf = packed->emitter_cdf;
     size_t next = packed->emitter_count + 1;
+    const double size = mcv_packed_size(packed);
     uint32_t count = 0, elements = 0;
     bool failed = false;
     mcv_result result = MCV_OK;
@@ -282,9 +282,9 @@ mcv_result mcv_pack_emitters(const mcv_scene *scene, mcv_packed *packed, mcv_err
             next += mcv_laser_entries(scene, from);
         }
         prepare_emitter(scene, packed, i, to);
-        find_reach(scene, packed, from, to);
+        find_reach(scene, packed, size, from, to);
         mcv_pack_rectangle(scene, packed, to);
-        powers[count++] = emitter_power(scene, packed, from);
+        powers[count++] = emitter_power(scene, size, from);
     }
     if (!failed) {
         double all = 0;

@@ -10,6 +10,7 @@
 
 #include <glob.h>
 #include <jansson.h>
+#include <time.h>
 
 /* The findings that say this; *found gets the last of them, in a buffer of its own. */
 static int look_for(const mcv_scene *scene, const char *words, mcv_finding *found) {
@@ -594,6 +595,38 @@ static void test_shipped_scenes(void **state) {
     assert_true(scene_count >= 30);
 }
 
+/* Seconds of processor time for what is said of a box that `count` nodes place. */
+static double seconds_for(uint32_t count, const char *name) {
+    mcv_scene *scene = with_telecentric(looking_down_z(0, 0, 0));
+    mcv_findings findings;
+    struct timespec begin, end;
+    add_cube(scene, 0, 0, -0.25);
+    for (uint32_t i = 1; i < count; ++i) {
+        mcv_instance copy = scene->instances[0];
+        copy.name = (char *)name;
+        BUILD(mcv_scene_add_instance(scene, &copy, &builder_error));
+    }
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &begin);
+    BUILD(mcv_findings_of(scene, &findings, &builder_error));
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &end);
+    mcv_findings_free(&findings);
+    mcv_scene_free(scene);
+    return (double)(end.tv_sec - begin.tv_sec) + 1e-9 * (double)(end.tv_nsec - begin.tv_nsec);
+}
+
+/* Assemblies have many nodes: eight times as many take eight times as long, not 64 times. Half way
+ * between, as times vary. */
+static void test_time_grows_with_the_number_of_nodes(void **state) {
+    (void)state;
+    static const char *const names[] = {"", "screw"};
+    for (int i = 0; i < 2; ++i) {
+        const double few = seconds_for(5000, names[i]), many = seconds_for(40000, names[i]);
+        print_message("5000 nodes \"%s\": %.2g s, 40000: %.2g s\n", names[i], few, many);
+        if (many > 22 * few)
+            fail_msg("nodes \"%s\": 5000 take %g s, 40000 %g s", names[i], few, many);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_part_outside_the_field),
@@ -608,6 +641,7 @@ int main(void) {
         cmocka_unit_test(test_thin_pane_on_a_closed_mesh),
         cmocka_unit_test(test_chords_at_outlines),
         cmocka_unit_test(test_long_names),
+        cmocka_unit_test(test_time_grows_with_the_number_of_nodes),
         cmocka_unit_test(test_page),
         cmocka_unit_test(test_shipped_scenes),
     };
