@@ -211,10 +211,47 @@ def line_scan():
     return s
 
 
+def flying_spot():
+    s = Sketch(
+        700,
+        300,
+        (150, 150),
+        "Flying spot scanner: parallel beams one after the other, a part that turns them aside, and "
+        "detectors for each direction behind a collecting lens",
+    )
+    part, lens, plane = 190, 330, 440
+    s.axis(-120, 500)
+    s.line([(0, -70), (0, 90)], INK, 2.2)
+    s.text((0, 104), "scanner")
+    for y in (60, 30, 0, -30):
+        shade = SIGHT if y == 30 else FAINT
+        s.line([(0, y + 3), (part, y + 1.5)], shade, 1)
+        s.line([(0, y - 3), (part, y - 1.5)], shade, 1)
+    s.area([(part, -80), (part + 26, -66), (part + 26, 80), (part, 80)], "#d5e2f6", HUES[0], 0.6)
+    s.text((part + 13, 96), "part")
+    s.ray([(part + 26, 30), (lens, 62)], SIGHT, 1.4)
+    s.ray([(lens, 62), (plane, 32)], SIGHT, 1.4)
+    s.line([(part + 26, 0), (lens, 0)], FAINT, 1)
+    s.line([(lens, 0), (plane, 0)], FAINT, 1)
+    s.lens(lens, 92)
+    for k in range(-2, 2):
+        low = 24 * k + 12
+        hue = SIGHT if k == 1 else INK
+        s.area([(plane, low), (plane + 9, low), (plane + 9, low + 22), (plane, low + 22)], "none", hue)
+    s.text((plane + 16, 36), "one direction", "start", SIGHT)
+    s.text((plane + 16, -20), "J × K detectors", "start")
+    s.dimension((0, -70), (part + 13, -70), "`workingDistance` z_w", -26)
+    s.dimension((-14, 30), (-14, 60), "", 0)
+    s.text((-22, 41), "`pixelSize`", "end", DIM)
+    s.text((512, 12), "z", "end", FAINT)
+    return s
+
+
 DRAWINGS = {
     "pinhole": pinhole,
     "thin-lens": thin_lens,
     "telecentric": telecentric,
     "light-field": light_field,
     "line-scan": line_scan,
+    "flying-spot": flying_spot,
 }

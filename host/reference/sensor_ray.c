@@ -272,6 +272,29 @@ static ref_sensor_ray light_field(const mcv_sensor *sensor, uint32_t column, uin
     return sensor_ray;
 }
 
+/* A beam on a parallel to the axis: place in the waist and slope are normal, by Box and Muller. */
+static ref_sensor_ray flying_spot(const mcv_sensor *sensor, uint32_t column, uint32_t row,
+                                  const double draw[4]) {
+    const mcv_flying_spot_params *p = &sensor->as.flying_spot;
+    const uint32_t whole[2] = {1, 1};
+    const point axis = image_point(p->resolution, p->principalPoint, p->pixelSize,
+                                   on_film(p->regionOfInterest, whole, 0, column + 0.5),
+                                   on_film(p->regionOfInterest, whole, 1, row + 0.5));
+    double place[2], slope[2];
+    for (int i = 0; i < 2; ++i) {
+        const double d = p->beamDiameter[i],
+                     w0 = p->widthMeasure == 2 ? d / sqrt(2 * log(2)) : d / 2,
+                     spread = p->M2[i] * p->wavelength / (M_PI * w0),
+                     angle[2] = {2 * M_PI * draw[1], 2 * M_PI * draw[3]};
+        place[i] = (i ? sin(angle[0]) : cos(angle[0])) * sqrt(-2 * log1p(-draw[0])) * w0 / 2;
+        slope[i] = (i ? sin(angle[1]) : cos(angle[1])) * sqrt(-2 * log1p(-draw[2])) * spread / 2;
+    }
+    const double z = p->workingDistance;
+    return in_world(sensor,
+                    (point){place[0] - axis.x - z * slope[0], place[1] - axis.y - z * slope[1]},
+                    (ref_vec){slope[0], slope[1], 1});
+}
+
 ref_sensor_ray ref_sensor_ray_sample(const mcv_sensor *sensor, uint32_t column, uint32_t row,
                                      double x, double y, double u, double v) {
     switch (sensor->type) {
@@ -289,6 +312,8 @@ ref_sensor_ray ref_sensor_ray_sample(const mcv_sensor *sensor, uint32_t column, 
                                       p->stopDiameter / 2);
         return ray;
     }
+    case MCV_SENSOR_FLYING_SPOT:
+        return flying_spot(sensor, column, row, (const double[]){x, y, u, v});
     case MCV_SENSOR_LIGHT_FIELD:
         return light_field(sensor, column, row, x, y, u, v);
     default:

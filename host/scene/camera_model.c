@@ -26,7 +26,7 @@ static void place(const mcv_transform *to_world, mcv_camera_model *model) {
 
 static double image_distance(const mcv_sensor *sensor) {
     const double *b = mcv_params_find(mcv_sensor_table(sensor->type), "imageDistance", &sensor->as);
-    return *b;
+    return b ? *b : 1;
 }
 
 /* The rig's nodes first. */
@@ -56,7 +56,9 @@ mcv_result mcv_camera_model_of(const mcv_scene *scene, const mcv_sensor *sensor,
     const bool line = mcv_sensor_exposure(sensor).shutter == MCV_SHUTTER_LINE;
     const bool sharp = optics.magnification > 0 && !line;
     double focal[2], centre[2];
-    *model = (mcv_camera_model){.telecentric = sensor->type == MCV_SENSOR_TELECENTRIC && !line,
+    const bool parallel =
+        sensor->type == MCV_SENSOR_TELECENTRIC || sensor->type == MCV_SENSOR_FLYING_SPOT;
+    *model = (mcv_camera_model){.telecentric = parallel && !line,
                                 .line = line,
                                 .lens = mcv_sensor_lens_map(sensor),
                                 .film_distance = mcv_sensor_film_distance(sensor),

@@ -62,6 +62,8 @@ double mcv_sensor_film_distance(const mcv_sensor *sensor) {
         return sensor->as.thin_lens.imageDistance;
     case MCV_SENSOR_TELECENTRIC:
         return sensor->as.telecentric.imageDistance - sensor->as.telecentric.focalLength;
+    case MCV_SENSOR_FLYING_SPOT:
+        return 1; /* it has no film: lengths are those of the part */
     default:
         return sensor->as.light_field.imageDistance;
     }

@@ -17,6 +17,9 @@ typedef struct mcv_laser_beam {
 /* The parameters must have passed mcv_laser_check. */
 mcv_laser_beam mcv_laser_beam_of(const mcv_laser_params *p);
 
+/* flying_spot.c: that of a scanner, whose parameters are resolved. */
+mcv_laser_beam mcv_flying_spot_beam(const mcv_flying_spot_params *p);
+
 /* Refuses parameters that do not fit together: a width without its measure, or of the other kind;
  * a table without image; lines that lie on one another; a beam too narrow for its wavelength. */
 mcv_result mcv_laser_check(const mcv_laser_params *p, const mcv_json_path *place, mcv_error *error);

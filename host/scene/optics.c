@@ -132,6 +132,12 @@ mcv_optics mcv_sensor_optics(const mcv_sensor *sensor) {
         optics.depth_of_field[1] = p->workingDistance + depth;
         break;
     }
+    case MCV_SENSOR_FLYING_SPOT: {
+        optics.focused_depth = sensor->as.flying_spot.workingDistance;
+        optics.magnification = 1;
+        for (int i = 0; i < 2; ++i) optics.field[i] = area.size[i];
+        break;
+    }
     }
     tilt_plane_in_focus(sensor, &area, &optics);
     return optics;

@@ -2,6 +2,7 @@
 #include "scene/sensors.h"
 
 #include "scene/aperture.h"
+#include "scene/laser.h"
 #include "scene/lens_map.h"
 #include "scene/motion.h"
 #include "scene/params.h"
@@ -336,6 +337,22 @@ void mcv_light_field_prepare(const mcv_light_field_params *params, mcv_light_fie
         .etendue = (float)etendue(params->radiometry, d * d, b),
         .bend = (float)bend(params->falloff, params->focalLength),
         .circle = params->aperture == MCV_APERTURE_CIRCLE,
+    };
+}
+
+/* --- flying spot --- */
+
+void mcv_flying_spot_prepare(const mcv_flying_spot_params *params, mcv_flying_spot *device) {
+    const mcv_readout readout = read_out(MCV_FILM(params));
+    const mcv_laser_beam beam = mcv_flying_spot_beam(params);
+    *device = (mcv_flying_spot){
+        .centre_x = centre(&readout, 0, 1),
+        .centre_y = centre(&readout, 1, 1),
+        .pixel_x = (float)params->pixelSize[0],
+        .pixel_y = (float)params->pixelSize[1],
+        .spot = {(float)(beam.waist[0] / 2), (float)(beam.waist[1] / 2)},
+        .slope = {(float)(beam.divergence[0] / 2), (float)(beam.divergence[1] / 2)},
+        .distance = (float)params->workingDistance,
     };
 }
 

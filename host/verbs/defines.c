@@ -35,7 +35,10 @@ static void print_all(FILE *out) {
     for (uint32_t type = 0; type < MCV_SENSOR_COUNT; ++type) {
         const bool disk = type == MCV_SENSOR_THIN_LENS ||
                           type == MCV_SENSOR_TELECENTRIC; /* pupil guiding needs a round pupil */
-        const uint64_t all = disk ? MCV_ALL_FEATURES : MCV_ALL_FEATURES & ~MCV_FEATURE_BIT(AIM);
+        /* Light paths do not reach a scanner. */
+        const uint64_t none = (disk ? 0 : MCV_FEATURE_BIT(AIM)) |
+                              (type == MCV_SENSOR_FLYING_SPOT ? MCV_FEATURE_BIT(LIGHT_TRACING) : 0);
+        const uint64_t all = MCV_ALL_FEATURES & ~none;
         for (int other = 0; other < 2; ++other) print_defines(out, all & ~choices[other], 3, type);
     }
 }

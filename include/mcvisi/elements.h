@@ -13,7 +13,8 @@
     X(pinhole, "pinhole", PINHOLE) \
     X(thin_lens, "thinLens", THIN_LENS) \
     X(telecentric, "telecentric", TELECENTRIC) \
-    X(light_field, "lightField", LIGHT_FIELD)
+    X(light_field, "lightField", LIGHT_FIELD) \
+    X(flying_spot, "flyingSpotScanner", FLYING_SPOT)
 
 /* Emitters without extent. They differ in how their intensity depends on the angle from the axis
  * (mcvisi/point_light.h). */
@@ -121,6 +122,9 @@ enum { MCV_MATERIALS(MCV_MATERIAL_ENUM) MCV_MATERIAL_COUNT };
 #endif
 #if !MCV_ON_DEVICE || defined(MCV_SENSOR_light_field)
 #include "mcvisi/sensors/light_field.h"
+#endif
+#if !MCV_ON_DEVICE || defined(MCV_SENSOR_flying_spot)
+#include "mcvisi/sensors/flying_spot.h"
 #endif
 
 #if !MCV_ON_DEVICE || MCV_WITH_PARALLEL

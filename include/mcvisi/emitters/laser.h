@@ -33,6 +33,7 @@
 
 #include "mcvisi/elementary.h"
 #include "mcvisi/emitters/emitter.h"
+#include "mcvisi/normal.h"
 
 #define MCV_LASER_PARAMS(X) \
     X(length, wavelength, MCV_REQUIRED, 1e-7, 1e-4, "wavelength λ [m]") \
@@ -208,15 +209,6 @@ MCV_LOOP_FUNCTION int mcv_laser_covers(MCV_GLOBAL const mcv_laser *laser, mcv_ve
         turn = mcv_laser_next(laser, turn);
     }
     return covers;
-}
-
-/* Two independent normal numbers (Box and Muller 1958). */
-MCV_LOOP_FUNCTION void mcv_normal_pair(float xi, float eta, float normal[2]) {
-    float sine, cosine;
-    const float radius = mcv_sqrt(2.0f * mcv_log_1_plus(xi / (1.0f - xi)));
-    mcv_sin_cos_turn(eta, &sine, &cosine);
-    normal[0] = radius * cosine;
-    normal[1] = radius * sine;
 }
 
 /* What next-event estimation finds at a point. */
