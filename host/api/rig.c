@@ -200,8 +200,17 @@ mcv_result mcv_rig_set(mcv_rig *rig, const char *path, const char *value, mcv_er
     return result;
 }
 
+/* Headers, pages and experiments name the scene by this until it is saved: its file is another. */
+static const char changed[] = " (changed)";
+
 /* The rig is another scene from now on: of this tree, which changes owners. */
 static void take_root(mcv_rig *rig, json_t *root) {
+    char *path = NULL;
+    if (rig->path[0] && !mcv_ends_in(rig->document.path, changed) &&
+        asprintf(&path, "%s%s", rig->document.path, changed) > 0) {
+        free(rig->document.path);
+        rig->document.path = path;
+    }
     char *text = json_dumps(root, JSON_COMPACT | JSON_REAL_PRECISION(17));
     json_decref(rig->document.root);
     rig->document.root = root;

@@ -258,6 +258,24 @@ def test_camera_models_go_to_other_programs_and_back(rig, tmp_path):
         rig.import_camera(path)
 
 
+def test_pictures_do_not_name_a_file_that_is_another_scene(rig, folder):
+    """What was set can be repeated from the file; a defect cannot, until the rig is saved."""
+    rig.save(folder / "flawless.gltf")
+
+    def named(rig):
+        found = rig.render(spp=4, resolution=(8, 6), device="reference", progress=False).attributes
+        return found["mcvisi:scene"].split("/")[-1], found["mcvisi:set"]
+
+    rig["sensors/camera/fNumber"] = 8
+    assert named(rig) == ("flawless.gltf", "sensors/camera/fNumber=8")
+    rig.add_defect("dent", node="part", at=(0.012, 0.003, 0.006), size=2e-3)
+    for changed in (rig, rig.copy()):
+        assert named(changed)[0] == "flawless.gltf (changed)"
+        assert changed.path == str(folder / "flawless.gltf")
+    rig.save(folder / "dented.gltf")
+    assert named(rig) == ("dented.gltf", "")
+
+
 def test_defects_are_put_onto_surfaces(rig):
     node = rig["nodes"][0]["name"]
     added = rig.add_defect("dent", node=node, triangle="0", size="0.1mm", with_=["shape=cosine"])
