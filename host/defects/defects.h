@@ -82,8 +82,8 @@ double mcv_defect_cut(const mcv_defect *defect, double u, double v, double norma
 /*
  * changed.c: has the defect changed the surface in this point of the world? Of a relief what is
  * higher than a hundredth of its depth counts, of a pit or patch what lies within the outline, of a
- * cut its face. The point must lie on the surface of the instance. False for defects inside of
- * bodies.
+ * cut its face, of a defect inside of a body what lies within its outermost surface. The point must
+ * lie on the surface of the instance.
  */
 bool mcv_defect_changed(const mcv_defect *defect, uint32_t instance, const double world[3]);
 
@@ -109,6 +109,9 @@ mcv_result mcv_defect_locate(const mcv_scene *scene, const mcv_defect_site *site
 mcv_result mcv_defect_locate_inside(const mcv_scene *scene, const mcv_defect_site *site,
                                     mcv_defect *defect, const mcv_json_path *place,
                                     mcv_error *error);
+
+/* inside.c: the radius of the outermost surface of a defect inside of a body. */
+double mcv_defect_outer_radius(const mcv_defect *defect);
 
 /* What both use: the node of a site; its place in the world; the direction of the site in the
  * world, else the node's x axis. */

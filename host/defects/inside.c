@@ -77,7 +77,7 @@ static double tube_radius(const mcv_defect *d, uint32_t tube) {
     return s * sqrt(-2 * log(level));
 }
 
-static double outer_radius(const mcv_defect *d) {
+double mcv_defect_outer_radius(const mcv_defect *d) {
     return d->type == MCV_DEFECT_STRIA ? tube_radius(d, 0) : d->size / 2;
 }
 
@@ -114,7 +114,7 @@ static bool fits(const mcv_scene *scene, const mcv_defect *d, const mcv_solid *s
     for (int k = -STEPS; k <= STEPS; ++k) {
         double p[3];
         axis_point(d, (double)k / STEPS, p);
-        if (!holds_ball(scene, d, solid, p, outer_radius(d))) return false;
+        if (!holds_ball(scene, d, solid, p, mcv_defect_outer_radius(d))) return false;
         if (d->length == 0) return true;
     }
     return true;

@@ -15,11 +15,10 @@
     X(text, mask, "output", 'o', "F.png", MCV_IN_DETECT, NULL, 0, 0, \
       "write which pixels show the defect: 255, the others 0; .png, .tif or .npy") \
     X(text, marred_rig, "rig", 0, "RIG.gltf", MCV_IN_DETECT, NULL, 0, 0, \
-      "the rig of WITH.exr: tells which pixels see the surface that its defects have changed, " \
-      "and " \
-      "how many of these show it") \
+      "the rig of WITH.exr: tells which pixels see its defects, also through glass, and how " \
+      "many of these show them") \
     X(text, truth, "truth", 0, "F.png", MCV_IN_DETECT, NULL, 0, 0, \
-      "with --rig: write the share of each pixel that sees changed surface, 255 for all; .png, " \
+      "with --rig: write the share of each pixel that sees a defect, 255 for all; .png, " \
       ".tif or .npy")
 
 #endif

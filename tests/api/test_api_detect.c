@@ -96,10 +96,28 @@ static void the_library_gives_sigmas(void **state) {
     "[0,0,0.1],\"extensions\":{\"MCVISI_sensors\":{\"sensor\":0}}},{\"name\":\"sky\"," \
     "\"extensions\":{\"MCVISI_emitters\":{\"emitter\":0}}}]}"
 
+/* A block and a ball of glass, seen by the same camera. */
+#define GLASS(surface, defect) \
+    "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0,1]}]," \
+    "\"extensionsUsed\":[\"MCVISI_defects\",\"MCVISI_materials\",\"MCVISI_sensors\"," \
+    "\"MCVISI_surfaces\"]," \
+    "\"extensions\":{\"MCVISI_sensors\":{\"sensors\":[{\"name\":\"cam\",\"type\":" \
+    "\"telecentric\",\"magnification\":1,\"workingDistance\":0.1,\"fNumber\":8," \
+    "\"resolution\":[64,48],\"pixelSize\":5e-5}]},\"MCVISI_surfaces\":{\"surfaces\":[{" surface \
+    ",\"material\":\"glass\"}]},\"MCVISI_defects\":{\"defects\":[" defect "]}}," \
+    "\"materials\":[{\"name\":\"glass\",\"extensions\":{\"MCVISI_materials\":{\"type\":" \
+    "\"dielectric\",\"ior\":1.5}}}]," \
+    "\"nodes\":[{\"name\":\"part\",\"extensions\":{\"MCVISI_surfaces\":{\"surface\":0}}},{" \
+    "\"name\":\"cam\",\"translation\":[0,0,0.1],\"extensions\":{\"MCVISI_sensors\":{" \
+    "\"sensor\":0}}}]}"
+#define BLOCK "\"type\":\"box\",\"width\":0.01,\"height\":0.01,\"depth\":0.004"
+#define BALL "\"type\":\"sphere\",\"radius\":1.1e-3"
+
 /* A disc of 1 mm covers π/4 400 pixels of 50 µm. 8 x 8 rays a pixel count lattice points in a
  * circle of the radius 80: off by less than 2 √2 π 80 of 20106 (Gauss), and for chords of the
  * outline by less than (size/32)²/size² of it. A dent of 1/e² diameter 1 mm is above a hundredth up
- * to r = √(2 ln 100) s = 0.759 mm. */
+ * to r = √(2 ln 100) s = 0.759 mm. A ball of glass shows what lies in its middle n times as large:
+ * a ray that passes the middle at b outside passes it at b/n inside. */
 static void tells_which_pixels_see_it(void **state) {
     const struct {
         const char *rig;
@@ -109,7 +127,19 @@ static void tells_which_pixels_see_it(void **state) {
                       "\"depth\":1.3397459621556135e-4}"),
                   1e-3},
                  {DUG("{\"type\":\"dent\",\"node\":\"plate\",\"at\":[0,0,0],\"size\":1e-3}"),
-                  2 * 0.25e-3 * 3.0348542587702925}};
+                  2 * 0.25e-3 * 3.0348542587702925},
+                 {GLASS(BLOCK, "{\"type\":\"bubble\",\"node\":\"part\",\"at\":[0,0,0],"
+                               "\"size\":1e-3}"),
+                  1e-3},
+                 {GLASS(BALL, "{\"type\":\"bubble\",\"node\":\"part\",\"at\":[0,0,0],"
+                              "\"size\":1e-3}"),
+                  1.5e-3},
+                 {GLASS(BLOCK, "{\"type\":\"crack\",\"node\":\"part\",\"at\":[0,0,0],"
+                               "\"size\":1e-3,\"direction\":[0,0,1]}"),
+                  1e-3},
+                 {GLASS(BLOCK, "{\"type\":\"dig\",\"node\":\"part\",\"at\":[0,0,-0.002],"
+                               "\"size\":1e-3}"),
+                  1e-3}};
     (void)state;
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
         write_file("dug.gltf", cases[i].rig);
