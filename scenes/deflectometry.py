@@ -1,10 +1,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """Deflectometry: a camera sees the fringes of a screen in a mirror with a dent, and in a painted
-panel. Cameras are focused on the part, so that the screen is blurred."""
+panel. Cameras are focused on the part, so that the screen is blurred. Inverse schlieren: a display
+behind a window sends what a flawless one passes on to the camera."""
 
 import math
 
-from basics import square
+from basics import box, square
 from gltf import Scene
 from setups import PIXELS
 
@@ -118,5 +119,63 @@ def painted_panel():
     return scene.gltf()
 
 
+DIRECTIONS, RANGE, ACCEPTED = 32, 0.008, 0.00076
+
+
+def directions(lit):
+    """A picture of the directions of one place: those within the distance `lit` [rad] of the axis
+    are lit."""
+    pitch = 2 * RANGE / DIRECTIONS
+    middles = [(i + 0.5) * pitch - RANGE for i in range(DIRECTIONS)]
+    return [[(255 * (math.hypot(x, y) < lit),) * 3 for x in middles] for y in middles]
+
+
+def schlieren():
+    """A window of 20 mm x 15 mm; a pixel sees 0.125 mm of it. The camera accepts 0.76 mrad; the
+    display has directions of 0.5 mrad, of which the 12 in the middle are lit."""
+    scene = Scene(
+        "A window with a dent 4 um deep, whose slope turns light by 1.25 mrad, before a display "
+        "that sends the directions that a camera accepts of a flawless one, as mcvisi "
+        "inverse-pattern finds them. emitters/display/image=white lights all directions."
+    )
+    glass = scene.material("glass", {"type": "dielectric", "glass": "N-BK7"})
+    plate = box((-0.01, -0.0075, 0), (0.01, 0.0075, 0.003))
+    scene.node("window", mesh=scene.mesh("window", glass, *plate))
+    dent(scene, "window", [0, 0, 0.003], "4mm", "4um")
+    scene.node(
+        "camera",
+        translation=[0, 0, 0.303],
+        sensor={
+            "type": "telecentric",
+            "magnification": 0.1,
+            "workingDistance": "300mm",
+            "numericalAperture": ACCEPTED,
+            "resolution": [80, 60],
+            "pixelSize": "12.5um",
+            "radiometry": "radiance",
+        },
+    )
+    scene.image("white", directions(1))
+    scene.node(
+        "display",
+        translation=[0, 0, -0.02],
+        rotation=[0, 1, 0, 0],
+        emitter={
+            "type": "lightField",
+            "size": ["12mm", "9mm"],
+            "spatialResolution": [1, 1],
+            "angularResolution": [DIRECTIONS, DIRECTIONS],
+            "angularRange": RANGE,
+            "radiance": 1,
+            "image": scene.image("pattern", directions(1.7 * 2 * RANGE / DIRECTIONS)),
+        },
+    )
+    return scene.gltf()
+
+
 def files():
-    return {"dented-mirror.gltf": dented_mirror(), "painted-panel.gltf": painted_panel()}
+    return {
+        "dented-mirror.gltf": dented_mirror(),
+        "painted-panel.gltf": painted_panel(),
+        "schlieren.gltf": schlieren(),
+    }
