@@ -37,6 +37,28 @@ static void store(double out[3], ref_vec v) {
     out[2] = v.z;
 }
 
+/* The surface of a body: as bend, but for the direction of reflected rays. */
+static void bend_at_glass(const mcv_scene *scene, const mcv_material *material,
+                          const ref_interaction *interaction, const ref_hits *hits,
+                          ref_vec *direction, ref_media *media, mcv_vertex *vertex) {
+    ref_media beyond;
+    ref_media_cross_all(media, &beyond, hits->count, hits->instances, hits->fronts);
+    const double from = ref_media_ior(ref_media_filling(media, scene), 0),
+                 to = ref_media_ior(ref_media_filling(&beyond, scene), 0);
+    if (mcv_material_is_rough(material) && from != to) return;
+    double reflectance = ref_reflectance(interaction, from, to);
+    if (from != to)
+        reflectance = ref_coated(
+            reflectance, mcv_material_coating(material, interaction->front ? from : to), from, to);
+    vertex->event = reflectance == 1 ? MCV_EVENT_REFLECT
+                    : from == to     ? MCV_EVENT_PASS
+                                     : MCV_EVENT_REFRACT;
+    if (vertex->event == MCV_EVENT_REFLECT) return;
+    vertex->transmittance *= 1 - reflectance;
+    *direction = ref_refract(interaction, from, to);
+    *media = beyond;
+}
+
 /* Reflects or refracts the ray at a surface and completes the vertex: direction, event,
  * transmittance. False: the path ends. */
 static bool bend(const mcv_scene *scene, const ref_surface *surface, const ref_hits *hits,
@@ -46,7 +68,6 @@ static bool bend(const mcv_scene *scene, const ref_surface *surface, const ref_h
     double texture[3];
     ref_texture_lookup(scene, material->texture, surface->texcoord, texture);
     const ref_interaction interaction = ref_make_interaction(surface, *direction);
-    double reflectance;
     vertex->event = MCV_EVENT_END;
     store(vertex->normal, interaction.normal);
     switch (material->type) {
@@ -82,26 +103,9 @@ static bool bend(const mcv_scene *scene, const ref_surface *surface, const ref_h
             if (!all) vertex->transmittance *= plate.passed[0];
             break;
         }
-    case MCV_MATERIAL_DIELECTRIC: {
-        ref_media beyond;
-        ref_media_cross_all(media, &beyond, hits->count, hits->instances, hits->fronts);
-        const double from = ref_media_ior(ref_media_filling(media, scene), 0),
-                     to = ref_media_ior(ref_media_filling(&beyond, scene), 0);
-        if (mcv_material_is_rough(material) && from != to) break;
-        reflectance = ref_reflectance(&interaction, from, to);
-        if (from != to)
-            reflectance =
-                ref_coated(reflectance,
-                           mcv_material_coating(material, interaction.front ? from : to), from, to);
-        vertex->event = reflectance == 1 ? MCV_EVENT_REFLECT
-                        : from == to     ? MCV_EVENT_PASS
-                                         : MCV_EVENT_REFRACT;
-        if (vertex->event == MCV_EVENT_REFLECT) break;
-        vertex->transmittance *= 1 - reflectance;
-        *direction = ref_refract(&interaction, from, to);
-        *media = beyond;
+    case MCV_MATERIAL_DIELECTRIC:
+        bend_at_glass(scene, material, &interaction, hits, direction, media, vertex);
         break;
-    }
     default:
         break;
     }

@@ -38,6 +38,35 @@ static mcv_result make_path(char *out, const char *path, const char *sensor, con
                     path, PATH_MAX);
 }
 
+/* No two files are the same one, none is the scene, and each can be written. */
+static mcv_result check_paths(const mcv_render_files *files, const mcv_scene *scene,
+                              mcv_error *error) {
+    const char *const paths[] = {files->exr, files->png, files->grey, files->film, files->part};
+    for (int i = 0; i < 5; ++i) {
+        if (!paths[i][0]) continue;
+        for (int j = 0; i >= 3 && j < i; ++j)
+            if (strcmp(paths[i], paths[j]) == 0)
+                return mcv_fail(error, MCV_USAGE,
+                                "%s would be two files: give --checkpoint and --film other names",
+                                paths[i]);
+        if (mcv_same_file(paths[i], scene->path))
+            return mcv_fail(error, MCV_USAGE, "%s is the scene: give the image another name",
+                            paths[i]);
+        MCV_TRY(mcv_output_check(paths[i], error));
+    }
+    if (strcmp(files->grey, files->exr) == 0 || strcmp(files->grey, files->png) == 0)
+        return mcv_fail(
+            error, MCV_USAGE,
+            "%s would be both the image and its grey values: give --camera another name",
+            files->grey);
+    if (strcmp(files->exr, files->png) == 0)
+        return mcv_fail(
+            error, MCV_USAGE,
+            "%s would be both the image and its preview: give the preview another name by --png",
+            files->exr);
+    return MCV_OK;
+}
+
 mcv_result mcv_render_files_plan(const mcv_command *command, const mcv_scene *scene,
                                  uint32_t sensor, bool several, mcv_render_files *files,
                                  mcv_error *error) {
@@ -84,30 +113,7 @@ mcv_result mcv_render_files_plan(const mcv_command *command, const mcv_scene *sc
                             "or --expose-to",
                             scene->path, label, label);
     }
-    const char *const paths[] = {files->exr, files->png, files->grey, files->film, files->part};
-    for (int i = 0; i < 5; ++i) {
-        if (!paths[i][0]) continue;
-        for (int j = 0; i >= 3 && j < i; ++j)
-            if (strcmp(paths[i], paths[j]) == 0)
-                return mcv_fail(error, MCV_USAGE,
-                                "%s would be two files: give --checkpoint and --film other names",
-                                paths[i]);
-        if (mcv_same_file(paths[i], scene->path))
-            return mcv_fail(error, MCV_USAGE, "%s is the scene: give the image another name",
-                            paths[i]);
-        MCV_TRY(mcv_output_check(paths[i], error));
-    }
-    if (strcmp(files->grey, files->exr) == 0 || strcmp(files->grey, files->png) == 0)
-        return mcv_fail(
-            error, MCV_USAGE,
-            "%s would be both the image and its grey values: give --camera another name",
-            files->grey);
-    if (strcmp(files->exr, files->png) == 0)
-        return mcv_fail(
-            error, MCV_USAGE,
-            "%s would be both the image and its preview: give the preview another name by --png",
-            files->exr);
-    return MCV_OK;
+    return check_paths(files, scene, error);
 }
 
 mcv_result mcv_render_files_check(const mcv_command *command, const mcv_scene *scene,

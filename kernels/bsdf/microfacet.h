@@ -8,109 +8,7 @@
 #ifndef MCVISI_KERNELS_MICROFACET_H
 #define MCVISI_KERNELS_MICROFACET_H
 
-#include "bsdf/microfacet_tables.h"
-
-/* The lobes of a surface seen from o. */
-typedef struct mcv_lobes {
-    float lambda;   /* Λ(o) */
-    mcv_color more; /* metallic-roughness: three and more reflections, as a share of those of white
-                       microfacets */
-    mcv_color passing;           /* factor of what passes a thin wall */
-    mcv_color near_a, near_b;    /* cosine lobes on the ray's side: near_a a(i) + near_b b(i) … */
-    mcv_color far_a, far_b;      /* … and on the other */
-    float specular, near_chance; /* with which the lobes are chosen; else the far one */
-    float far_chance;
-} mcv_lobes;
-
-/* What a(i) and b(i) are: of a metallic-roughness surface what the layer passes, and what its
- * microfacets send on to each other. */
-MCV_LOOP_FUNCTION mcv_albedo mcv_gloss_weights(const mcv_device_gloss *m, const mcv_gloss *gloss,
-                                               mcv_albedo albedo) {
-    mcv_albedo weights;
-    weights.a = 1.0f - mcv_fma(m->f0, 1.0f - albedo.a - albedo.b, albedo.b);
-    weights.b = albedo.a;
-    if (gloss->type == MCV_MATERIAL_DIELECTRIC) return albedo;
-    return weights;
-}
-
-MCV_LOOP_FUNCTION mcv_lobes mcv_gloss_lobes(const mcv_device_gloss *m, const mcv_gloss *gloss,
-                                            __global const float *albedos, mcv_vec3 o) {
-    mcv_lobes lobes;
-    const mcv_albedo at = mcv_albedo_at(m, gloss, albedos, o, 0);
-    lobes.lambda = mcv_ggx_lambda(gloss->alpha, o);
-    lobes.passing = lobes.more = mcv_grey(0.0f);
-    lobes.near_a = lobes.near_b = lobes.far_a = lobes.far_b = mcv_grey(0.0f);
-    lobes.far_chance = 0.0f;
-#if MCV_WITH_ROUGH_GLASS
-    if (gloss->type == MCV_MATERIAL_DIELECTRIC) {
-        /* a: what is missing outside the body, b: inside. */
-        const float missing = gloss->inside ? at.b : at.a;
-        const float square = gloss->between.eta * gloss->between.eta;
-        if (mcv_has_multiple(
-                m, gloss)) { /* the table has it; cosines choose directions, by n² of either side */
-            lobes.far_chance = missing / (1.0f + square);
-            lobes.near_chance = missing - lobes.far_chance;
-            lobes.specular = 1.0f - missing;
-            return lobes;
-        }
-        /* Light in the medium s leaves into t with the share n_t² M_t/X, by X = Σ n² M. */
-        const mcv_albedo mean = mcv_albedo_at(m, gloss, albedos, o, 1);
-        const float near_mean = gloss->inside ? mean.b : mean.a;
-        const float far_mean = gloss->inside ? mean.a : mean.b;
-        const float near = square * near_mean;
-        const float sum = near + far_mean;
-        const float share = near > 0.0f ? missing / sum : 0.0f;
-        lobes.near_chance = near > 0.0f ? missing * near / sum : 0.0f;
-        lobes.far_chance = near > 0.0f ? missing - lobes.near_chance : 0.0f;
-        lobes.specular = 1.0f - lobes.near_chance - lobes.far_chance;
-        MCV_EACH_CHANNEL(k) {
-            lobes.near_a.c[k] = gloss->inside ? 0.0f : share * square;
-            lobes.near_b.c[k] = gloss->inside ? share * square : 0.0f;
-            lobes.far_a.c[k] = gloss->inside ? share : 0.0f;
-            lobes.far_b.c[k] = gloss->inside ? 0.0f : share;
-        }
-        return lobes;
-    }
-#endif
-    const mcv_albedo mean = mcv_albedo_at(m, gloss, albedos, o, 1);
-    const float missing = mean.a > 0.0f ? at.a / mean.a : 0.0f;
-    if (MCV_WITH_METAL && gloss->type == MCV_MATERIAL_CONDUCTOR) {
-        if (!mcv_has_multiple(m, gloss)) lobes.near_b = mcv_dim(gloss->base, missing);
-        lobes.specular = 1.0f - at.a;
-        lobes.near_chance = at.a;
-        return lobes;
-    }
-    const mcv_albedo weights = mcv_gloss_weights(m, gloss, at);
-    const float below = weights.a / mcv_gloss_weights(m, gloss, mean).a * (1.0f - gloss->metallic);
-    const float brightest = mcv_brightest(gloss->base);
-    MCV_EACH_CHANNEL(i) {
-        const float f = mcv_fma(gloss->base.c[i], 1.0f - 1.0f / 21.0f, 1.0f / 21.0f);
-        const float again = f * f * (1.0f - mean.a) / mcv_fma(-f, mean.a, 1.0f);
-        lobes.more.c[i] = f * again;
-        lobes.passing.c[i] = gloss->base.c[i] * m->transmission * (1.0f - gloss->metallic);
-        lobes.near_a.c[i] =
-            gloss->base.c[i] * below * (1.0f - m->transmission) * (1.0f - m->diffuse_transmission);
-        lobes.far_a.c[i] =
-            gloss->base.c[i] * below * (1.0f - m->transmission) * m->diffuse_transmission;
-        lobes.near_b.c[i] = m->multiple == MCV_NONE ? gloss->metallic * again * missing : 0.0f;
-        lobes.far_b.c[i] = lobes.passing.c[i] * missing;
-    }
-    /* By how much light they bring, of the brightest channel. */
-    const float f0 = mcv_fma(gloss->metallic, brightest - m->f0, m->f0);
-    const float reflected = mcv_fma(f0, 1.0f - at.a - at.b, at.b);
-    const float passed = brightest * m->transmission * (1.0f - gloss->metallic);
-    const float specular = mcv_fma(passed, weights.a - at.a, reflected);
-    const float spread =
-        brightest * weights.a * (1.0f - gloss->metallic) * (1.0f - m->transmission);
-    const float near =
-        mcv_fma(spread, 1.0f - m->diffuse_transmission, gloss->metallic * brightest * at.a);
-    const float far = mcv_fma(spread, m->diffuse_transmission, passed * at.a);
-    const float sum = specular + near + far;
-    lobes.specular = specular / sum;
-    lobes.near_chance = near / sum;
-    lobes.far_chance = far / sum;
-    return lobes;
-}
+#include "bsdf/microfacet_lobes.h"
 
 /* What a microfacet reflects at a cosine of incidence. */
 MCV_LOOP_FUNCTION mcv_color mcv_gloss_fresnel(const mcv_device_gloss *m, const mcv_gloss *gloss,
@@ -150,6 +48,31 @@ MCV_LOOP_FUNCTION float mcv_gloss_reflects(const mcv_device_gloss *m, const mcv_
     const float far = mcv_brightest(*passed);
     const float near = mcv_brightest(reflected);
     return far > 0.0f ? near / (near + far) : 1.0f;
+}
+
+/* The response of the specular lobe, and of the cosine lobe on the side of i. */
+MCV_LOOP_FUNCTION mcv_response mcv_add_cosine_lobes(const mcv_device_gloss *m,
+                                                    const mcv_gloss *gloss,
+                                                    __global const float *albedos,
+                                                    const mcv_lobes *lobes, mcv_vec3 i,
+                                                    mcv_response response) {
+    const int far = i.z < 0.0f, sees = i.z != 0.0f;
+    mcv_albedo weights = {0.0f, 0.0f};
+    if (gloss->type == MCV_MATERIAL_METALLIC_ROUGHNESS ||
+        !mcv_has_multiple(m, gloss)) /* others have cosine lobes in their choices alone */
+        weights = mcv_gloss_weights(m, gloss, mcv_albedo_at(m, gloss, albedos, i, 0));
+    const float diffuse = mcv_abs(i.z) * (1.0f / MCV_PI);
+    MCV_EACH_CHANNEL(k) {
+        const float a = far ? lobes->far_a.c[k] : lobes->near_a.c[k];
+        const float b = far ? lobes->far_b.c[k] : lobes->near_b.c[k];
+        const float value =
+            mcv_fma(diffuse, mcv_fma(a, weights.a, b * weights.b), response.value.c[k]);
+        response.value.c[k] = sees ? value : 0.0f;
+    }
+    const float density =
+        mcv_fma(far ? lobes->far_chance : lobes->near_chance, diffuse, response.density);
+    response.density = sees ? density : 0.0f;
+    return response;
 }
 
 MCV_LOOP_FUNCTION mcv_response mcv_gloss_respond(const mcv_device_gloss *m, const mcv_gloss *gloss,
@@ -197,22 +120,7 @@ MCV_LOOP_FUNCTION mcv_response mcv_gloss_respond(const mcv_device_gloss *m, cons
         meets ? lobes->specular * (far ? 1.0f - chance : chance) * facets / (1.0f + lobes->lambda)
               : 0.0f;
 
-    mcv_albedo weights = {0.0f, 0.0f};
-    if (gloss->type == MCV_MATERIAL_METALLIC_ROUGHNESS ||
-        !multiplied) /* others have cosine lobes in their choices alone */
-        weights = mcv_gloss_weights(m, gloss, mcv_albedo_at(m, gloss, albedos, i, 0));
-    const float diffuse = mirrored.z * (1.0f / MCV_PI);
-    MCV_EACH_CHANNEL(k) {
-        const float a = far ? lobes->far_a.c[k] : lobes->near_a.c[k];
-        const float b = far ? lobes->far_b.c[k] : lobes->near_b.c[k];
-        const float value =
-            mcv_fma(diffuse, mcv_fma(a, weights.a, b * weights.b), response.value.c[k]);
-        response.value.c[k] = sees ? value : 0.0f;
-    }
-    const float density =
-        mcv_fma(far ? lobes->far_chance : lobes->near_chance, diffuse, response.density);
-    response.density = sees ? density : 0.0f;
-    return response;
+    return mcv_add_cosine_lobes(m, gloss, albedos, lobes, i, response);
 }
 
 /* A direction with the density that mcv_gloss_respond gives; the zero vector where the path ends.

@@ -16,119 +16,146 @@ MCV_FUNCTION void mcv_write_vector(__global float *to, mcv_vec3 v) {
     to[2] = v.z;
 }
 
-/* Writes at most `stride` vertices; returns how many. The slot holds the ray for the stage that
- * intersects. */
+/* The vertex at which a ray has arrived, and the ray that leaves it. `…_low`: what is left of
+ * double precision, else 0. */
+typedef struct mcv_traced {
+    mcv_vec3 point, normal, point_low, normal_low;
+    mcv_vec3 origin, origin_low, direction_low;
+    mcv_scattering on; /* its direction, media, event */
+    uint triangle, origin_surface;
+    float distance, distance_low, transmittance, radiance;
+} mcv_traced;
+
+static mcv_traced mcv_start_trace(mcv_device_ray ray) {
+    const mcv_vec3 nothing = mcv_vec(0.0f, 0.0f, 0.0f);
+    mcv_traced at;
+    at.point = at.origin = mcv_vec(ray.origin[0], ray.origin[1], ray.origin[2]);
+    at.normal = at.point_low = at.normal_low = at.origin_low = at.direction_low = nothing;
+#if MCV_WITH_MIXED
+    at.point_low = at.origin_low = mcv_vec(ray.origin_low[0], ray.origin_low[1], ray.origin_low[2]);
+    at.direction_low = mcv_vec(ray.direction_low[0], ray.direction_low[1], ray.direction_low[2]);
+#endif
+    at.on = mcv_scatter_into(mcv_vec(ray.direction[0], ray.direction[1], ray.direction[2]),
+                             ray.media, MCV_EVENT_START);
+    at.triangle = at.origin_surface = MCV_NONE;
+    at.distance = at.distance_low = at.radiance = 0.0f;
+    at.transmittance = 1.0f;
+    return at;
+}
+
+static void mcv_write_vertex(__global mcv_device_vertex *vertex, const mcv_traced *at) {
+    mcv_write_vector(vertex->position, at->point);
+    mcv_write_vector(vertex->normal, at->normal);
+    mcv_write_vector(vertex->direction, at->on.direction);
+    vertex->distance = at->distance;
+    vertex->triangle = at->triangle;
+    vertex->event = at->on.event;
+    vertex->medium = MCV_WITH_DIELECTRIC ? mcv_filling_medium(at->on.media) : 0u;
+    vertex->transmittance = at->transmittance;
+    vertex->radiance = at->radiance;
+    vertex->distance_low = at->distance_low;
+    mcv_write_vector(vertex->position_low, at->point_low);
+    mcv_write_vector(vertex->normal_low, at->normal_low);
+    mcv_write_vector(vertex->direction_low, at->direction_low);
+}
+
+/* Finds the next surface by the stage that intersects, whose path is in the slot. */
+static mcv_hit mcv_trace_on(mcv_world world, mcv_slot slot, mcv_traced *at) {
+    MCV_STORE_3(slot, origin, at->origin);
+    MCV_STORE_3(slot, direction, at->on.direction);
+    MCV_STORE_COLOR(slot, throughput, mcv_grey(at->transmittance));
+    if (MCV_WITH_DIELECTRIC) MCV_WORD(slot, media, 0) = at->on.media;
+    if (MCV_WITH_SURFACES) MCV_WORD(slot, origin_surface, 0) = at->origin_surface;
+    mcv_intersect_closest(world, slot);
+    const mcv_hit hit = {MCV_LOAD(slot, hit, 0), MCV_LOAD(slot, hit, 1), MCV_LOAD(slot, hit, 2),
+                         MCV_WORD(slot, hit, 3)};
+    at->triangle = hit.triangle;
+    at->distance = hit.t;
+    at->transmittance = MCV_LOAD(slot, throughput, 0);
+    return hit;
+}
+
+/* The ray leaves the scene. */
+static void mcv_end_trace(mcv_world world, mcv_traced *at) {
+    at->radiance = mcv_environment_seen(world, at->on.direction, at->on.media, 0.0f).c[0];
+    at->distance = INFINITY;
+    at->distance_low = 0.0f;
+    at->normal = at->on.direction = at->normal_low = at->direction_low = mcv_vec(0.0f, 0.0f, 0.0f);
+    at->on.event = MCV_EVENT_MISS;
+}
+
+/* What the surface emits towards the ray. */
+static float mcv_traced_radiance(mcv_world world, mcv_interaction interaction, uint media) {
+#if MCV_WITH_EMISSION
+    const uint emitter = world.instances[interaction.surface.instance].emitter;
+    if (emitter != MCV_NONE) {
+        const mcv_color emitted = mcv_emitted(world, interaction.surface, emitter,
+                                              mcv_scale(interaction.direction, -1.0f));
+        return mcv_basic_radiance(world, emitted, media).c[0];
+    }
+#endif
+    (void)world, (void)interaction, (void)media;
+    return 0.0f;
+}
+
+/* The ray arrives at the surface of a hit and goes on from there. */
+static void mcv_pass_surface(mcv_world world, mcv_hit hit, mcv_traced *at) {
+    const mcv_pair always_refract = {1.0f, 0.0f};
+    const mcv_vec3 nothing = mcv_vec(0.0f, 0.0f, 0.0f);
+    const mcv_interaction interaction = mcv_meet(world, at->origin, at->on.direction, hit);
+    const uint media = at->on.media;
+    uint unmatched = 0;
+    mcv_scattering other;
+#if MCV_WITH_MIXED
+    const mcv_vec3 low = at->origin_low;
+    const mcv_precise_ray ray =
+        mcv_precise_ray_of(at->origin, low, at->on.direction, at->direction_low);
+#endif
+    at->radiance = mcv_traced_radiance(world, interaction, media);
+    at->on = mcv_scatter(world, interaction, media, always_refract, 1.0f, 0, &unmatched, &other);
+    at->point = interaction.surface.point;
+    at->normal = interaction.normal;
+    at->point_low = at->normal_low = at->direction_low = nothing;
+    at->distance_low = 0.0f;
+#if MCV_WITH_MIXED
+    const mcv_precise_interaction met =
+        mcv_intersect_precisely(world, &interaction, ray, low, hit.t);
+    const mcv_onward onward =
+        mcv_go_on_precisely(world, &interaction, &met, ray.direction, media, &at->on);
+    if (met.found) {
+        at->point_low = mcv_low_of(met.point, at->point);
+        at->normal_low = mcv_low_of(met.normal, at->normal);
+        at->distance_low = (float)(met.distance - (double)hit.t);
+    }
+    at->direction_low = mcv_onward_low(&onward, onward.ray.direction, at->on.direction);
+#endif
+    at->origin = mcv_onward_origin(interaction, at->on.direction);
+#if MCV_WITH_MIXED
+    at->origin_low = mcv_onward_low(&onward, onward.ray.origin, at->origin);
+#endif
+    at->origin_surface = mcv_origin_surface_of(world, interaction, at->on.direction);
+    if (at->on.event == MCV_EVENT_END)
+        at->on.direction = nothing;
+    else
+        at->transmittance *= at->on.chance * at->on.factor.c[0];
+}
+
+/* Writes at most `stride` vertices; returns how many. */
 static uint mcv_trace_path(mcv_world world, mcv_slot slot, mcv_device_ray ray, uint stride,
                            __global mcv_device_vertex *vertices) {
-    const mcv_pair always_refract = {1.0f, 0.0f};
-    mcv_vec3 origin = mcv_vec(ray.origin[0], ray.origin[1], ray.origin[2]);
-    mcv_vec3 point = origin;
-    mcv_vec3 normal = mcv_vec(0.0f, 0.0f, 0.0f);
-    mcv_scattering on;
-    on.direction = mcv_vec(ray.direction[0], ray.direction[1], ray.direction[2]);
-    on.media = ray.media;
-    on.event = MCV_EVENT_START;
-    uint triangle = MCV_NONE;
-    uint origin_surface = MCV_NONE;
-    uint unmatched = 0;
-    const mcv_vec3 nothing = mcv_vec(0.0f, 0.0f, 0.0f);
-    mcv_vec3 point_low = nothing, normal_low = nothing, direction_low = nothing;
-    float distance_low = 0.0f;
-#if MCV_WITH_MIXED
-    mcv_vec3 origin_low = mcv_vec(ray.origin_low[0], ray.origin_low[1], ray.origin_low[2]);
-    point_low = origin_low;
-    direction_low = mcv_vec(ray.direction_low[0], ray.direction_low[1], ray.direction_low[2]);
-#endif
-    float distance = 0.0f;
+    mcv_traced at = mcv_start_trace(ray);
 #if MCV_WITH_MOVING
     MCV_STORE(slot, time, 0, 0.0f);
 #endif
-    float transmittance = 1.0f;
-    float radiance = 0.0f;
     for (uint count = 0;; ++count) {
-        /* Write the vertex. */
-        __global mcv_device_vertex *vertex = vertices + count;
-        mcv_write_vector(vertex->position, point);
-        mcv_write_vector(vertex->normal, normal);
-        mcv_write_vector(vertex->direction, on.direction);
-        vertex->distance = distance;
-        vertex->triangle = triangle;
-        vertex->event = on.event;
-        vertex->medium = MCV_WITH_DIELECTRIC ? mcv_filling_medium(on.media) : 0u;
-        vertex->transmittance = transmittance;
-        vertex->radiance = radiance;
-        vertex->distance_low = distance_low;
-        mcv_write_vector(vertex->position_low, point_low);
-        mcv_write_vector(vertex->normal_low, normal_low);
-        mcv_write_vector(vertex->direction_low, direction_low);
-        if (on.event == MCV_EVENT_END || on.event == MCV_EVENT_MISS || count + 1 == stride)
+        mcv_write_vertex(vertices + count, &at);
+        if (at.on.event == MCV_EVENT_END || at.on.event == MCV_EVENT_MISS || count + 1 == stride)
             return count + 1;
-
-        /* Find the next surface. */
-        const mcv_vec3 direction = on.direction;
-        MCV_STORE_3(slot, origin, origin);
-        MCV_STORE_3(slot, direction, direction);
-        MCV_STORE_COLOR(slot, throughput, mcv_grey(transmittance));
-        if (MCV_WITH_DIELECTRIC) MCV_WORD(slot, media, 0) = on.media;
-        if (MCV_WITH_SURFACES) MCV_WORD(slot, origin_surface, 0) = origin_surface;
-        mcv_intersect_closest(world, slot);
-        triangle = MCV_WORD(slot, hit, 3);
-        distance = MCV_LOAD(slot, hit, 0);
-        transmittance = MCV_LOAD(slot, throughput, 0);
-#if MCV_WITH_MIXED
-        const mcv_precise_ray precise =
-            mcv_precise_ray_of(origin, origin_low, direction, direction_low);
-#endif
-        distance_low = 0.0f;
-        normal_low = direction_low = nothing;
-        if (triangle == MCV_NONE) {
-            normal = nothing;
-            on.direction = normal;
-            on.event = MCV_EVENT_MISS;
-            distance = INFINITY;
-            radiance = mcv_environment_seen(world, direction, on.media, 0.0f).c[0];
-            continue;
-        }
-
-        /* Go through it. */
-        const mcv_hit hit = {distance, MCV_LOAD(slot, hit, 1), MCV_LOAD(slot, hit, 2), triangle};
-        const mcv_interaction interaction = mcv_meet(world, origin, direction, hit);
-        radiance = 0.0f;
-#if MCV_WITH_EMISSION
-        const uint emitter = world.instances[interaction.surface.instance].emitter;
-        if (emitter != MCV_NONE) {
-            const mcv_color emitted = mcv_emitted(world, interaction.surface, emitter,
-                                                  mcv_scale(interaction.direction, -1.0f));
-            radiance = mcv_basic_radiance(world, emitted, on.media).c[0];
-        }
-#endif
-        const uint before = on.media;
-        mcv_scattering other;
-        on = mcv_scatter(world, interaction, before, always_refract, 1.0f, 0, &unmatched, &other);
-        point = interaction.surface.point;
-        normal = interaction.normal;
-        point_low = nothing;
-#if MCV_WITH_MIXED
-        const mcv_precise_interaction met =
-            mcv_intersect_precisely(world, &interaction, precise, origin_low, distance);
-        const mcv_onward onward =
-            mcv_go_on_precisely(world, &interaction, &met, precise.direction, before, &on);
-        if (met.found) {
-            point_low = mcv_low_of(met.point, point);
-            normal_low = mcv_low_of(met.normal, normal);
-            distance_low = (float)(met.distance - (double)distance);
-        }
-        direction_low = mcv_onward_low(&onward, onward.ray.direction, on.direction);
-#endif
-        origin = mcv_onward_origin(interaction, on.direction);
-#if MCV_WITH_MIXED
-        origin_low = mcv_onward_low(&onward, onward.ray.origin, origin);
-#endif
-        origin_surface = mcv_origin_surface_of(world, interaction, on.direction);
-        if (on.event == MCV_EVENT_END)
-            on.direction = mcv_vec(0.0f, 0.0f, 0.0f);
+        const mcv_hit hit = mcv_trace_on(world, slot, &at);
+        if (hit.triangle == MCV_NONE)
+            mcv_end_trace(world, &at);
         else
-            transmittance *= on.chance * on.factor.c[0];
+            mcv_pass_surface(world, hit, &at);
     }
 }
 

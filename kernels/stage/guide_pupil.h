@@ -77,45 +77,61 @@ static int mcv_angle_change(mcv_aimed from, mcv_aimed to, float step, float *cha
     return to.emitter == from.emitter;
 }
 
-/* 0 if no first-order optics is found from the point p of the pupil. */
-static int mcv_aim_from(mcv_world world, mcv_film_sample film, float p_x, float p_y,
-                        __global mcv_device_pupil_guide *aim) {
-    mcv_aimed at = mcv_follow(world, film, p_x, p_y);
-    float c_x = 0.0f, c_y = 0.0f;                 /* centre */
-    float i_xx = 0, i_xy = 0, i_yx = 0, i_yy = 0; /* inverse of A */
+/* Where q = 0 lies to first order, and how far the pupil's points change q. */
+typedef struct mcv_pupil_optics {
+    mcv_aimed at;                 /* the ray through … */
+    float p_x, p_y;               /* … this point */
+    float c_x, c_y;               /* centre */
+    float i_xx, i_xy, i_yx, i_yy; /* inverse of A */
+} mcv_pupil_optics;
+
+/* The centre and A from the neighbours of the point p; 0 where there are none. */
+static int mcv_find_pupil_centre(mcv_world world, mcv_film_sample film, mcv_pupil_optics *o) {
+    /* Towards the middle of the pupil: the neighbours lie in it, too. */
+    const float step_x = o->p_x > 0.0f ? -MCV_AIM_STEP : MCV_AIM_STEP;
+    const float step_y = o->p_y > 0.0f ? -MCV_AIM_STEP : MCV_AIM_STEP;
+    float a_xx, a_xy, a_yx, a_yy;
+    if (!mcv_angle_change(o->at, mcv_follow(world, film, o->p_x + step_x, o->p_y), step_x, &a_xx,
+                          &a_yx) ||
+        !mcv_angle_change(o->at, mcv_follow(world, film, o->p_x, o->p_y + step_y), step_y, &a_xy,
+                          &a_yy))
+        return 0;
+    const float determinant = mcv_difference_of_products(a_xx, a_yy, a_xy, a_yx);
+    o->i_xx = a_yy / determinant;
+    o->i_xy = -a_xy / determinant;
+    o->i_yx = -a_yx / determinant;
+    o->i_yy = a_xx / determinant;
+    o->c_x = o->p_x - mcv_fma(o->i_xx, o->at.q_x, o->i_xy * o->at.q_y);
+    o->c_y = o->p_y - mcv_fma(o->i_yx, o->at.q_x, o->i_yy * o->at.q_y);
+    return 1;
+}
+
+/* By Newton's method from the point p; 0 if no first-order optics is found. */
+static int mcv_find_pupil_optics(mcv_world world, mcv_film_sample film, mcv_pupil_optics *o) {
     int found = 0;
-    for (int turn = 0; turn < 4 && at.emitter != MCV_NONE; ++turn) {
-        /* Towards the middle of the pupil: the neighbours lie in it, too. */
-        const float step_x = p_x > 0.0f ? -MCV_AIM_STEP : MCV_AIM_STEP;
-        const float step_y = p_y > 0.0f ? -MCV_AIM_STEP : MCV_AIM_STEP;
-        float a_xx, a_xy, a_yx, a_yy;
-        if (!mcv_angle_change(at, mcv_follow(world, film, p_x + step_x, p_y), step_x, &a_xx, &a_yx))
-            break;
-        if (!mcv_angle_change(at, mcv_follow(world, film, p_x, p_y + step_y), step_y, &a_xy, &a_yy))
-            break;
-        const float determinant = mcv_difference_of_products(a_xx, a_yy, a_xy, a_yx);
-        i_xx = a_yy / determinant;
-        i_xy = -a_xy / determinant;
-        i_yx = -a_yx / determinant;
-        i_yy = a_xx / determinant;
-        c_x = p_x - mcv_fma(i_xx, at.q_x, i_xy * at.q_y);
-        c_y = p_y - mcv_fma(i_yx, at.q_x, i_yy * at.q_y);
-        const float distance = mcv_sqrt(mcv_fma(c_x, c_x, c_y * c_y));
+    for (int turn = 0; turn < 4 && o->at.emitter != MCV_NONE; ++turn) {
+        if (!mcv_find_pupil_centre(world, film, o)) break;
+        const float distance = mcv_sqrt(mcv_fma(o->c_x, o->c_x, o->c_y * o->c_y));
         /* Rays that leave all points of the pupil in parallel have no centre. */
         if (!(distance < INFINITY)) break;
         found = 1;
         const float onto = distance > 1.0f ? 1.0f / distance : 1.0f;
-        const float moved = mcv_abs(c_x * onto - p_x) + mcv_abs(c_y * onto - p_y);
-        const mcv_aimed next = mcv_follow(world, film, c_x * onto, c_y * onto);
-        if (next.emitter != at.emitter) break;
-        p_x = c_x * onto;
-        p_y = c_y * onto;
-        at = next;
+        const float p_x = o->c_x * onto, p_y = o->c_y * onto;
+        const float moved = mcv_abs(p_x - o->p_x) + mcv_abs(p_y - o->p_y);
+        const mcv_aimed next = mcv_follow(world, film, p_x, p_y);
+        if (next.emitter != o->at.emitter) break;
+        o->p_x = p_x;
+        o->p_y = p_y;
+        o->at = next;
         if (moved < MCV_AIM_STEP) break;
     }
-    if (!found) return 0;
+    return found;
+}
 
-    __global const mcv_parallel *cone = &world.emitters[at.emitter].parallel;
+/* The part of the pupil that first-order optics maps into the emitter's cone. */
+static void mcv_write_guide(mcv_world world, mcv_film_sample film, mcv_pupil_optics o,
+                            __global mcv_device_pupil_guide *aim) {
+    __global const mcv_parallel *cone = &world.emitters[o.at.emitter].parallel;
     const float sine =
         2.0f * cone->sin_half * mcv_sqrt(mcv_fma(-cone->sin_half, cone->sin_half, 1.0f));
     const float size = MCV_AIM_MARGIN * sine;
@@ -124,24 +140,24 @@ static int mcv_aim_from(mcv_world world, mcv_film_sample film, float p_x, float 
     float b_xx, b_xy, b_yx, b_yy;
     across.x = 1.0f;
     down.y = 1.0f;
-    if (!mcv_angle_change(at, mcv_follow(world, across, p_x, p_y), 0.5f, &b_xx, &b_yx))
+    if (!mcv_angle_change(o.at, mcv_follow(world, across, o.p_x, o.p_y), 0.5f, &b_xx, &b_yx))
         b_xx = b_yx = 0.0f;
-    if (!mcv_angle_change(at, mcv_follow(world, down, p_x, p_y), 0.5f, &b_xy, &b_yy))
+    if (!mcv_angle_change(o.at, mcv_follow(world, down, o.p_x, o.p_y), 0.5f, &b_xy, &b_yy))
         b_xy = b_yy = 0.0f;
-    aim->centre[0] = c_x;
-    aim->centre[1] = c_y;
-    aim->shift[0] = -mcv_fma(i_xx, b_xx, i_xy * b_yx);
-    aim->shift[1] = -mcv_fma(i_xx, b_xy, i_xy * b_yy);
-    aim->shift[2] = -mcv_fma(i_yx, b_xx, i_yy * b_yx);
-    aim->shift[3] = -mcv_fma(i_yx, b_xy, i_yy * b_yy);
-    aim->spread[0] = size * i_xx;
-    aim->spread[1] = size * i_xy;
-    aim->spread[2] = size * i_yx;
-    aim->spread[3] = size * i_yy;
+    aim->centre[0] = o.c_x;
+    aim->centre[1] = o.c_y;
+    aim->shift[0] = -mcv_fma(o.i_xx, b_xx, o.i_xy * b_yx);
+    aim->shift[1] = -mcv_fma(o.i_xx, b_xy, o.i_xy * b_yy);
+    aim->shift[2] = -mcv_fma(o.i_yx, b_xx, o.i_yy * b_yx);
+    aim->shift[3] = -mcv_fma(o.i_yx, b_xy, o.i_yy * b_yy);
+    aim->spread[0] = size * o.i_xx;
+    aim->spread[1] = size * o.i_xy;
+    aim->spread[2] = size * o.i_yx;
+    aim->spread[3] = size * o.i_yy;
     const float area = mcv_abs(
         mcv_difference_of_products(aim->spread[0], aim->spread[3], aim->spread[1], aim->spread[2]));
     const float distance =
-        mcv_sqrt(mcv_fma(c_x, c_x, c_y * c_y)) -
+        mcv_sqrt(mcv_fma(o.c_x, o.c_x, o.c_y * o.c_y)) -
         (mcv_abs(aim->spread[0]) + mcv_abs(aim->spread[1]) + mcv_abs(aim->spread[2]) +
          mcv_abs(aim->spread[3]) + mcv_abs(aim->shift[0]) + mcv_abs(aim->shift[1]) +
          mcv_abs(aim->shift[2]) + mcv_abs(aim->shift[3]));
@@ -150,6 +166,17 @@ static int mcv_aim_from(mcv_world world, mcv_film_sample film, float p_x, float 
         area > 0.0f && area < 0.25f * (MCV_PUPIL_AREA / MCV_PI) && distance < MCV_PUPIL_REACH
             ? 1.0f / area
             : 0.0f;
+}
+
+/* 0 if no first-order optics is found from the point p of the pupil. */
+static int mcv_aim_from(mcv_world world, mcv_film_sample film, float p_x, float p_y,
+                        __global mcv_device_pupil_guide *aim) {
+    mcv_pupil_optics o;
+    o.at = mcv_follow(world, film, p_x, p_y);
+    o.p_x = p_x;
+    o.p_y = p_y;
+    if (!mcv_find_pupil_optics(world, film, &o)) return 0;
+    mcv_write_guide(world, film, o, aim);
     return 1;
 }
 

@@ -14,7 +14,9 @@ The standard library alone. What is wrong:
 - an include that leads to no file;
 - a file of host/ or include/ above 400 lines, of kernels/ above 250, test programs not counted; the
   public header is one file for those who use it, and may have 800;
-- a line above 100 columns.
+- a line above 100 columns;
+- a function of host/ or kernels/ above 60 lines, test programs not counted; in include/ lists stand
+  for most functions.
 """
 
 import pathlib
@@ -24,10 +26,38 @@ import tempfile
 
 MOST_LINES = {"host": 400, "include": 400, "kernels": 250}
 MOST_COLUMNS = 100
+MOST_FUNCTION_LINES = 60
 PUBLIC = "mcvisi/mcvisi.h"
 CLIENT = ("host/options", "host/core")  # folders that host/cli may include from
 SUFFIXES = (".c", ".h", ".cl", ".cpp")
 INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.M)
+# What may hold a brace that ends nothing: comments keep their lines, and strings are emptied.
+IGNORED = re.compile(r'/\*.*?\*/|//[^\n]*|"(?:\\.|[^"\\\n])*"|\'(?:\\.|[^\'\\\n])*\'', re.S)
+
+
+def functions(text):
+    """(name, first line, lines) of each function, from its first word to its brace, as clang-format
+    sets it: both begin a line."""
+    blank = IGNORED.sub(lambda found: re.sub(r"[^\n]", " ", found[0]), text)
+    head = []  # the lines of a declaration so far
+    opened = None
+    for number, line in enumerate(blank.splitlines(), 1):
+        if opened:
+            if line.startswith("}"):
+                yield opened[0], opened[1], number - opened[1] + 1
+                opened = None
+            continue
+        if not line.strip() or line.startswith(("#", "}")):
+            head = []
+            continue
+        head.append((number, line))
+        words = " ".join(line for _, line in head)
+        if line.rstrip().endswith("{") and not words.startswith(("typedef", "extern")):
+            name = re.search(r"(\w+)\s*\((?:[^()]|\([^()]*\))*\)\s*\{$", words.rstrip())
+            if name:
+                opened = name[1], head[0][0]
+        if line.rstrip().endswith((";", "{", "\\")):
+            head = []
 
 
 class Tree:
@@ -64,6 +94,10 @@ class Tree:
         if widest > MOST_COLUMNS:
             number = 1 + next(i for i, line in enumerate(lines) if len(line) > MOST_COLUMNS)
             self.measure("%s:%d" % (name, number), "columns", widest, MOST_COLUMNS)
+        if not name.startswith(("kernels/test/", "include/")):
+            for function, number, size in functions(text):
+                self.measure("%s:%d: %s" % (name, number, function), "lines", size,
+                             MOST_FUNCTION_LINES)
         for include in INCLUDE.findall(text):
             self.add(path, name, include)
 
@@ -141,6 +175,10 @@ PLANTED = (
     ({"include/mcvisi/a.h": "\n" * 401}, ("include/mcvisi/a.h: has 401 lines",)),
     ({"include/mcvisi/mcvisi.h": "\n" * 801}, ("include/mcvisi/mcvisi.h: has 801 lines",)),
     ({"kernels/a.cl": "\n" * 251}, ("kernels/a.cl: has 251 lines",)),
+    ({"host/a/a.c": "static int f(int a,\n             int (*b)(int)) {" + "\n" * 59 + "}\n"},
+     ("host/a/a.c:1: f: has 61 lines: must have at most 60",)),
+    ({"kernels/a.cl": "int a;\n__kernel void\nf(uint a) {" + "\n" * 59 + "}\n"},
+     ("kernels/a.cl:2: f: has 61 lines",)),
     ({"host/a/a.c": "int a;\n/* " + "µ" * 98 + "\n"}, ("host/a/a.c:2: has 101 columns",)),
 )
 SOUND = {"host/a/a.c": '#include "a.h"\n#include "b/b.h"\n', "host/a/a.h": "\n" * 400,
@@ -148,6 +186,8 @@ SOUND = {"host/a/a.c": '#include "a.h"\n#include "b/b.h"\n', "host/a/a.h": "\n" 
          "host/cli/d.c": '#include "d.h"\n#include "options/o.h"\n#include "mcvisi/mcvisi.h"\n',
          "host/cli/d.h": '#include "core/f.h"\n', "host/options/o.h": "", "host/core/f.h": "",
          "include/mcvisi/mcvisi.h": "", "kernels/e.cl": '#include "mcvisi/c.h"\n' * 250,
+         "host/a/f.c": "int f(void) {\n/* \n}\n*/" + "\n" * 56 + "}\nint f[] = {" + "\n" * 99 +
+         "};\n",
          "kernels/test/f.cl": "\n" * 251}
 
 
