@@ -1,20 +1,20 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The place of a laser line along one column or row of an image, below a pixel: by the words of
- * manuals "extractors" or "peak detectors" (R. B. Fisher and D. K. Naidu, A comparison of
- * algorithms for subpixel peak detection, 1996). With the values v above the background, and the
- * brightest pixel as 0:
+ * The place of a laser line along one column or row of an image, to a fraction of a pixel. Manuals
+ * call such methods extractors or peak detectors (R. B. Fisher and D. K. Naidu, A comparison of
+ * algorithms for subpixel peak detection, 1996). v are the values above the background, and v_0 is
+ * the brightest pixel:
  *
- *   cog        centre of gravity Σ k v_k/Σ v_k of a window; light beyond the window is missed
- *   parabola   of three pixels: (v_-1 - v_1)/(2 (v_-1 - 2 v_0 + v_1)), exact for parabolas only
- *   logGauss   the same of ln v: exact for Gaussian lines that pixels sample; pixels integrate, so
- *              that thin lines are off
- *   blaisRioux where v_-2 + v_-1 - v_1 - v_2, centred at each pixel, changes its sign, by a
- * straight line between pixels (F. Blais and M. Rioux, Signal Processing 11, 145, 1986): exact in
- *              the middle and between pixels
- *   gauss      least squares of a Gaussian line integrated over pixels: exact for such lines
- *   steger     the top of the values smoothed by a Gaussian of an eighth of the window, as on a
- * ridge (C. Steger, An unbiased detector of curvilinear structures, 1998), across the line
+ *   cog        centre of gravity Σ k v_k/Σ v_k of a window; it misses light beyond the window
+ *   parabola   (v_-1 - v_1)/(2 (v_-1 - 2 v_0 + v_1)): exact for parabolas only
+ *   logGauss   the same for ln v: exact for a Gaussian that pixels sample; as pixels integrate,
+ *              thin lines have an error
+ *   blaisRioux zero of v_-2 + v_-1 - v_1 - v_2, centred at each pixel and interpolated linearly
+ *              (F. Blais and M. Rioux, Signal Processing 11, 145, 1986): exact in the middle of
+ *              pixels and halfway between them
+ *   gauss      least-squares fit of a Gaussian integrated over pixels: exact for such lines
+ *   steger     top of the values after smoothing by a Gaussian of an eighth of the window: the
+ * ridge of C. Steger, An unbiased detector of curvilinear structures, 1998, across the line
  *
  * Places count as those of the camera model: the middle of the first pixel is at 0.5.
  */
@@ -49,9 +49,9 @@ typedef struct mcv_line_settings {
 enum { MCV_LINE_WINDOW = 63 };
 
 /*
- * X(NAME, "word"): what was found. Nothing is above the threshold; what the extractor takes reaches
- * beyond the image; there is no peak of its kind. Of double peaks the second has at least half of
- * the light, and the place is the brighter one's.
+ * X(NAME, "word"): what was found. MISSING: no pixel is above the threshold. CUT: the pixels that
+ * the extractor needs reach beyond the image. UNFIT: the line has no single top. DOUBLE: a second
+ * peak has at least half of the light; the place is that of the brighter one.
  */
 #define MCV_LINE_STATES(X) \
     X(SEEN, "seen") X(MISSING, "missing") X(CUT, "cut") X(UNFIT, "unfit") X(DOUBLE, "double")
