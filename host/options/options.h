@@ -30,7 +30,7 @@
     X(new, NEW, "new", "telecentric|entocentric|lightfield|transparent|laser PART", \
       "write a rig around a part (.stl, .glb, .gltf): standard optics that frame it, and a light " \
       "(transparent: a light field camera and a parallel panel behind the part; laser: a laser " \
-      "line, and a camera aside whose film is tilted)") \
+      "line, and a camera at its side whose film is tilted)") \
     X(check, CHECK, "check", "[SCENE]", \
       "print how a scene was understood: optics, emitters, materials, features with their " \
       "causes, stages, findings") \
@@ -48,24 +48,24 @@
       "measure in an image: regions, contrasts, edges and their sharpness, lines, widths and " \
       "circles, each with its standard uncertainty") \
     X(triangulate, TRIANGULATE, "triangulate", "IMAGE…", \
-      "find the laser line in images of a camera, and the heights of the part that it lights: a " \
-      "profile of each image") \
+      "find the laser line in images of a camera, and compute the heights of the part along it: " \
+      "one profile per image") \
     X(scan, SCAN, "scan", "SCENE", \
       "render the profiles of a laser head that moves over a part, expose them with speckle and " \
-      "noise, and find the heights; with --budget also what each cause brings to their error") \
+      "noise, and find the heights; with --budget also the error by each cause") \
     X(sweep, SWEEP, "sweep", "RIG|EXPERIMENT.json", \
       "render a scene with many sets of parameters and measure in each image; the result is a " \
       "table and a page of plots with error bars") \
     X(pod, POD, "pod", "TABLE.csv|EXPERIMENT.json", \
-      "tell from which size on defects are found, with which confidence (MIL-HDBK-1823A), of a " \
-      "table of sizes with signals, or with hits and misses; an experiment of `mcvisi sweep` is " \
-      "rendered first, or continued") \
+      "compute from which size on defects are found, and with which confidence " \
+      "(MIL-HDBK-1823A), from a table of sizes with signals or with hits and misses; an " \
+      "experiment of `mcvisi sweep` is rendered first, or continued") \
     X(uncertainty, UNCERTAINTY, "uncertainty", "RIG|EXPERIMENT.json", \
-      "tell how tolerances of a scene's parameters spread what is measured: by first order and " \
-      "by Monte Carlo, with the contribution of each") \
+      "propagate tolerances of a scene's parameters to what is measured: by first order and by " \
+      "Monte Carlo, with the contribution of each tolerance") \
     X(optimize, OPTIMIZE, "optimize", "RIG|EXPERIMENT.json", \
-      "search for the parameters of a scene at which what is measured is largest or smallest, " \
-      "with few renders; the result is confirmed by renders that have chosen nothing") \
+      "search for the parameters of a scene at which a metric is largest or smallest, with few " \
+      "renders; fresh renders, which the search has not used, confirm the result") \
     X(merge, MERGE, "merge", "PART.film…|PART.csv…", \
       "join the films of parts of a render (render --samples A:B --film) to its image, with the " \
       "bits of one render; or the tables of parts of a sweep (--range I/N) to one") \
@@ -74,19 +74,19 @@
       "which defects stand out") \
     X(transport, TRANSPORT, "transport", "SCENE", \
       "render the light transport matrix of a scene: what each lamp, or each pixel of a " \
-      "projector's, light field's or lamp's image, brings to each pixel of the camera") \
+      "projector's, light field's or lamp's image, contributes to each pixel of the camera") \
     X(relight, RELIGHT, "relight", "MATRIX.npz", \
-      "make the image of other lamps or another pattern from a light transport matrix, with its " \
-      "standard error, without tracing rays") \
+      "compute the image under other lamps or another pattern from a light transport matrix, " \
+      "with its standard error, without tracing rays") \
     X(deflection, DEFLECTION, "deflection", "MATRIX.npz|SCENE", \
-      "show how a transparent part turns light aside: at each place the histogram of its " \
-      "directions, their mean and covariance, and the light that is lost") \
+      "show how a transparent part deflects light: at each place the histogram of directions, " \
+      "their mean and covariance, and the share of the light that is lost") \
     X(inverse, INVERSE, "inverse-pattern", "MATRIX.npz", \
-      "make the pattern under which a flawless part looks even and defects stand out, from the " \
-      "part's light transport matrix") \
+      "compute the pattern under which a flawless part looks even and defects stand out, from " \
+      "the part's light transport matrix") \
     X(deflectometry, DEFLECTOMETRY, "deflectometry", "SCENE", \
-      "show fringes on a screen to a mirroring part, and find its slopes and heights with their " \
-      "uncertainties, and the period of fringes that makes these least") \
+      "measure a mirroring part by fringes on a screen: its slopes and heights with their " \
+      "uncertainties, and the period of the fringes for which these are least") \
     X(explain, EXPLAIN, "explain", "SCENE", \
       "list the paths that make a pixel: which surfaces they meet, which emitter they come from, " \
       "and their shares of its light") \
@@ -95,11 +95,10 @@
       "can place") \
     X(defect, DEFECT, "defect", "RIG TYPE", \
       "put a defect onto the surface of a node (dent, bump, scratch, dig, burr, chip, " \
-      "missingPart, " \
-      "stain, roughPatch) or inside of it (bubble, inclusion, stria, crack)") \
+      "missingPart, stain, roughPatch) or inside it (bubble, inclusion, stria, crack)") \
     X(detect, DETECT, "detect", "WITH.exr WITHOUT.exr", \
-      "tell how well a camera can tell a defect from its noise: contrast and detectability d', " \
-      "from renders with and without it") \
+      "state how well a camera can distinguish a defect from its noise: contrast and " \
+      "detectability d', from renders with and without the defect") \
     X(warm, WARM, "warm", "[SCENE…]", \
       "compile ahead what renders of these scenes need, so that they begin at once; without a " \
       "scene, what rigs of `mcvisi new` need") \

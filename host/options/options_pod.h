@@ -11,17 +11,18 @@
     X(text, hit_column, "hit", 0, "NAME", MCV_IN_POD, NULL, 0, 0, \
       "the column of hits and misses, 1 and 0; or give --signal") \
     X(text, defect_column, "defect", 0, "NAME", MCV_IN_POD, NULL, 0, 0, \
-      "the column that tells which defect a row is of; the first row of each counts, because a " \
-      "defect that is looked at twice is one defect; by default every row is another defect") \
+      "the column that identifies the defect of a row; only the first row of each defect counts, " \
+      "because two images of one defect are not independent; by default each row is another " \
+      "defect") \
     X(text, threshold, "threshold", 0, "Y", MCV_IN_POD, NULL, 0, 0, \
       "the signal from which on a defect is detected") \
     X(text, false_calls, "false-calls", 0, "P", MCV_IN_POD, NULL, 0, 0, \
       "instead of --threshold: the chance that a flawless part is called defective, above 0 and " \
-      "below 1; from the signals of rows of size 0, whose noise is taken as normal") \
+      "below 1; from the signals of rows of size 0, whose noise is assumed to be normal") \
     X(text, lost_below, "lost-below", 0, "Y", MCV_IN_POD, NULL, 0, 0, \
-      "signals at or below Y are lost in the noise: only that they are there is used") \
+      "signals at or below Y are lost in the noise: their values do not count (censored)") \
     X(text, saturated_above, "saturated-above", 0, "Y", MCV_IN_POD, NULL, 0, 0, \
-      "signals at or above Y are saturated: only that they are there is used") \
+      "signals at or above Y are saturated: their values do not count (censored)") \
     X(choice, size_scale, "size-scale", 0, "auto|linear|log", MCV_IN_POD, "auto", 0, 0, \
       "the size itself or its logarithm; auto: what fits better") \
     X(choice, signal_scale, "signal-scale", 0, "auto|linear|log", MCV_IN_POD, "auto", 0, 0, \
@@ -31,7 +32,7 @@
     X(number, confidence, "confidence", 0, "C", MCV_IN_POD, "0.95", 0.5, 0.9999, \
       "confidence of each bound") \
     X(text, pod_page, "output", 'o', "F.html", MCV_IN_POD, NULL, 0, 0, \
-      "also write a page: the answer, the curve with its band, and what it holds and what not") \
+      "also write a page: the answer, the curve with its band, and what the answer covers") \
     X(text, pod_title, "title", 0, "TEXT", MCV_IN_POD, NULL, 0, 0, \
       "the page's heading; by default Probability of detection") \
     X(text, pod_note, "note", 0, "TEXT", MCV_IN_POD, NULL, 0, 0, \

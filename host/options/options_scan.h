@@ -5,28 +5,25 @@
 #define MCVISI_HOST_OPTIONS_OPTIONS_SCAN_H
 
 #define MCV_SCAN_OPTIONS(X) \
-    X(count, profile_count, "profiles", 0, "N", MCV_IN_SCAN, "1", 1, 100000, \
-      "how many profiles are rendered") \
+    X(count, profile_count, "profiles", 0, "N", MCV_IN_SCAN, "1", 1, 100000, "number of profiles") \
     X(choice, scan_speckle, "speckle", 0, "on|off", MCV_IN_SCAN, "on", 0, 0, \
-      "speckle, of another pattern in each profile") \
+      "speckle, which belongs to the part and moves with it") \
     X(lengths, filter, "filter", 0, "L", MCV_IN_SCAN, NULL, 0, 1e-3, \
-      "a bandpass filter before the lens: the middle of its band at normal incidence [m], or " \
-      "with " \
-      "a unit, 660nm; it needs --filter-width") \
+      "a bandpass filter in front of the lens: the centre of its band at normal incidence [m], " \
+      "or with a unit, 660nm; it needs --filter-width") \
     X(lengths, filter_width, "filter-width", 0, "W", MCV_IN_SCAN, NULL, 0, 1e-3, \
       "width of the filter's band at half of its maximum [m], or with a unit, 20nm") \
     X(number, filter_index, "filter-index", 0, "N", MCV_IN_SCAN, "1.8", 0, 10, \
-      "effective index of the filter's layers: light at a slant meets a band further in the " \
-      "blue, " \
-      "the more so the lower it is") \
+      "effective index of the filter's layers: it shifts the band of oblique light to the blue, " \
+      "and a low index shifts it more") \
     X(text, raw_images, "images", 0, "PREFIX", MCV_IN_SCAN, NULL, 0, 0, \
-      "write the grey values of each profile, too: PREFIX0000.exr, PREFIX0001.exr …, of the rows " \
-      "that the line may reach") \
+      "also write the grey values of each profile: PREFIX0000.exr, PREFIX0001.exr …, with the " \
+      "rows that the line can reach") \
     X(flag, budget, "budget", 0, NULL, MCV_IN_SCAN, NULL, 0, 0, \
-      "tell what each cause brings to the error of heights, by a run of its own, and hold the " \
-      "sum against all of them together") \
+      "state what each cause contributes to the error of the heights, by a separate run, and " \
+      "compare the sum with the error by all of them together") \
     X(text, pose, "pose", 0, "D,A", MCV_IN_SCAN, NULL, 0, 0, \
       "standard uncertainties of the camera's place along each of its axes and of its turn about " \
-      "each, against the laser, as in 10um,0.005deg: with --budget, what they bring to heights")
+      "each, against the laser, as in 10um,0.005deg: --budget states their effect on heights")
 
 #endif

@@ -14,7 +14,8 @@
  *              pixels and halfway between them
  *   gauss      least-squares fit of a Gaussian integrated over pixels: exact for such lines
  *   steger     top of the values after smoothing by a Gaussian of an eighth of the window: the
- * ridge of C. Steger, An unbiased detector of curvilinear structures, 1998, across the line
+ *              ridge of C. Steger (An unbiased detector of curvilinear structures, 1998),
+ *              across the line
  *
  * Places count as those of the camera model: the middle of the first pixel is at 0.5.
  */

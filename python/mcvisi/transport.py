@@ -178,7 +178,7 @@ class Transport(Handle):
 
     def deflection(self, reference: "Transport | None" = None) -> "tuple[Image, Image]":
         """
-        How a part turns light aside: the deflection (rows, columns, x and y) with its error, and
+        How a part deflects light: the deflection (rows, columns, x and y) with its error, and
         the histograms of directions, as an image of a light field camera.
 
         It needs the directions of a light field emitter or camera. reference: the same set-up
