@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Signals. SIGINT, SIGTERM, SIGHUP and SIGXCPU request to finish and save; the second of them, if
- * it comes half a second later or more, ends the program at once. SIGUSR1 requests to save and go
- * on. A file above the limit of its size is an error of its write, no signal.
+ * Signals. SIGINT, SIGTERM, SIGHUP and SIGXCPU request to finish and save. The second of them ends
+ * the program at once, if it comes half a second later or more. SIGUSR1 requests to save and go on.
+ * A file above the limit of its size is an error of its write, no signal.
  */
 #ifndef MCVISI_HOST_CLI_INTERRUPT_H
 #define MCVISI_HOST_CLI_INTERRUPT_H

@@ -94,11 +94,10 @@ mcv_optics mcv_sensor_optics(const mcv_sensor *sensor) {
                          .depth_of_field = {NAN, NAN},
                          .macro_pixel = {NAN, NAN}};
     switch (sensor->type) {
-    case MCV_SENSOR_PINHOLE: {
+    case MCV_SENSOR_PINHOLE:
         for (int i = 0; i < 2; ++i)
             optics.field_angle[i] = field_angle(&area, i, sensor->as.pinhole.imageDistance);
         break;
-    }
     case MCV_SENSOR_THIN_LENS: {
         const mcv_thin_lens_params *p = &sensor->as.thin_lens;
         const double blur = pixel / (p->imageDistance * p->lensDiameter);
@@ -132,12 +131,11 @@ mcv_optics mcv_sensor_optics(const mcv_sensor *sensor) {
         optics.depth_of_field[1] = p->workingDistance + depth;
         break;
     }
-    case MCV_SENSOR_FLYING_SPOT: {
+    case MCV_SENSOR_FLYING_SPOT:
         optics.focused_depth = sensor->as.flying_spot.workingDistance;
         optics.magnification = 1;
         for (int i = 0; i < 2; ++i) optics.field[i] = area.size[i];
         break;
-    }
     }
     tilt_plane_in_focus(sensor, &area, &optics);
     return optics;
