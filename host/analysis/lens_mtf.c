@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* The MTF of a lens: that of diffraction, or a table from a file. */
 #include "analysis/blur.h"
+#include "core/output_file.h"
 
-#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -50,11 +50,11 @@ mcv_result mcv_mtf_read(const char *path, mcv_mtf_row **rows, size_t *count, mcv
     enum { MAX_ROWS = 10000 };
     char text[256];
     mcv_result result = MCV_OK;
-    FILE *file = fopen(path, "r");
+    FILE *file;
+    uint64_t size;
     *count = 0;
     *rows = NULL;
-    if (!file)
-        return mcv_fail(error, MCV_BAD_INPUT, "%s: cannot be read: %s", path, strerror(errno));
+    MCV_TRY(mcv_file_open(path, &file, &size, error));
     *rows = malloc(MAX_ROWS * sizeof **rows);
     if (!*rows) {
         fclose(file);

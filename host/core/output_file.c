@@ -196,25 +196,47 @@ void mcv_output_discard(mcv_output *output) {
     forget(output);
 }
 
-mcv_result mcv_file_load(const char *path, uint8_t **bytes, size_t *size, mcv_error *error) {
-    *bytes = NULL;
-    const int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-    if (descriptor < 0)
-        return mcv_fail(error, MCV_BAD_INPUT, "%s: cannot be read: %s", path, strerror(errno));
+/* O_NONBLOCK: otherwise a pipe without a writer would block here. Regular files ignore it. */
+static mcv_result open_regular(const char *path, int *descriptor, uint64_t *size,
+                               mcv_error *error) {
     struct stat status;
+    *descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    if (*descriptor < 0)
+        return mcv_fail(error, MCV_BAD_INPUT, "%s: cannot be read: %s", path, strerror(errno));
+    if (fstat(*descriptor, &status) == 0 && S_ISREG(status.st_mode)) {
+        *size = (uint64_t)status.st_size;
+        return MCV_OK;
+    }
+    close(*descriptor);
+    return mcv_fail(error, MCV_BAD_INPUT, "%s: is not a regular file", path);
+}
+
+mcv_result mcv_file_open(const char *path, FILE **file, uint64_t *size, mcv_error *error) {
+    int descriptor;
+    *file = NULL;
+    MCV_TRY(open_regular(path, &descriptor, size, error));
+    *file = fdopen(descriptor, "rb");
+    if (*file) return MCV_OK;
+    close(descriptor);
+    return mcv_fail(error, MCV_FAILED, "%s: no memory to read it", path);
+}
+
+mcv_result mcv_file_load(const char *path, uint8_t **bytes, size_t *size, mcv_error *error) {
+    int descriptor;
+    uint64_t whole;
     mcv_result result = MCV_OK;
-    if (fstat(descriptor, &status) != 0 || !S_ISREG(status.st_mode)) {
-        result = mcv_fail(error, MCV_BAD_INPUT, "%s: is not a regular file", path);
-    } else if ((uint64_t)status.st_size > LARGEST_INPUT) {
+    *bytes = NULL;
+    MCV_TRY(open_regular(path, &descriptor, &whole, error));
+    if (whole > LARGEST_INPUT) {
         result =
             mcv_fail(error, MCV_BAD_INPUT, "%s: is larger than 4 GiB, the limit for a file", path);
-    } else if (!(*bytes = malloc((size_t)status.st_size + 1))) {
-        result = mcv_fail(error, MCV_FAILED, "%s: no memory for its %lld bytes", path,
-                          (long long)status.st_size);
+    } else if (!(*bytes = malloc((size_t)whole + 1))) {
+        result = mcv_fail(error, MCV_FAILED, "%s: no memory for its %llu bytes", path,
+                          (unsigned long long)whole);
     }
     *size = 0;
-    while (result == MCV_OK && *size < (size_t)status.st_size) {
-        const ssize_t count = read(descriptor, *bytes + *size, (size_t)status.st_size - *size);
+    while (result == MCV_OK && *size < (size_t)whole) {
+        const ssize_t count = read(descriptor, *bytes + *size, (size_t)whole - *size);
         if (count < 0 && errno != EINTR)
             result =
                 mcv_fail(error, MCV_BAD_INPUT, "%s: cannot be read: %s", path, strerror(errno));

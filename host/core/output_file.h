@@ -9,6 +9,8 @@
 
 #include "core/error.h"
 
+#include <stdio.h>
+
 typedef struct mcv_output {
     int descriptor;
     uint64_t size; /* bytes so far, the offset of mcv_output_write */
@@ -38,6 +40,9 @@ mcv_result mcv_output_commit(mcv_output *output, mcv_error *error);
 
 /* Removes the temporary file and frees. */
 void mcv_output_discard(mcv_output *output);
+
+/* Opens a regular file for reading: a pipe or device may never end. MCV_BAD_INPUT names it. */
+mcv_result mcv_file_open(const char *path, FILE **file, uint64_t *size, mcv_error *error);
 
 /* Reads a whole regular file of at most 4 GiB; the caller frees *bytes. MCV_BAD_INPUT names it. */
 mcv_result mcv_file_load(const char *path, uint8_t **bytes, size_t *size, mcv_error *error);

@@ -4,12 +4,8 @@
 #include "core/json.h"
 #include "core/output_file.h"
 
-#include <errno.h>
-#include <fcntl.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/stat.h>
-#include <unistd.h>
 #include <zlib.h>
 
 _Static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__, "film files are little-endian");
@@ -246,18 +242,10 @@ static mcv_result read_open(reader *r, bool sums, mcv_film_file *f) {
 }
 
 static mcv_result read_file(const char *path, bool sums, mcv_film_file *f, mcv_error *error) {
-    struct stat status;
     reader r = {.path = path, .checksum = crc32(0, NULL, 0), .error = error};
     *f = (mcv_film_file){.facts = NULL};
-    const int descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
-    r.file = descriptor < 0 ? NULL : fdopen(descriptor, "rb");
-    if (!r.file)
-        return mcv_fail(error, MCV_BAD_INPUT, "%s: cannot be read: %s", path, strerror(errno));
-    mcv_result result = MCV_OK;
-    if (fstat(fileno(r.file), &status) != 0 || !S_ISREG(status.st_mode))
-        result = mcv_fail(error, MCV_BAD_INPUT, "%s: is not a regular file", path);
-    r.size = (uint64_t)status.st_size;
-    if (result == MCV_OK) result = read_open(&r, sums, f);
+    MCV_TRY(mcv_file_open(path, &r.file, &r.size, error));
+    const mcv_result result = read_open(&r, sums, f);
     fclose(r.file);
     if (result != MCV_OK) mcv_film_file_free(f);
     return result;

@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "verbs/rays.h"
 
+#include "core/output_file.h"
+
 #include <ctype.h>
 #include <errno.h>
 #include <math.h>
@@ -62,6 +64,9 @@ static mcv_result read_rays(FILE *file, const char *path, mcv_trace_ray **rays, 
                 error, MCV_BAD_INPUT,
                 "%s:%zu: the line is longer than %zu bytes: a row must be x,y,z,dx,dy,dz", path,
                 number, sizeof line - 2);
+        if (line[0] == '\0' || (!strchr(line, '\n') && !feof(file)))
+            return mcv_fail(error, MCV_BAD_INPUT, "%s:%zu: has a NUL byte: is it a text file?",
+                            path, number);
         if (is_blank(line)) continue;
         const bool header = first_row && is_header(line);
         first_row = false;
@@ -88,10 +93,9 @@ static mcv_result read_rays(FILE *file, const char *path, mcv_trace_ray **rays, 
 mcv_result mcv_rays_read(const char *path, mcv_trace_ray **rays, size_t *count, mcv_error *error) {
     *rays = NULL;
     *count = 0;
-    FILE *file = fopen(path, "r");
-    if (!file)
-        return mcv_fail(error, MCV_BAD_INPUT, "%s: %s: give a table of rays x,y,z,dx,dy,dz", path,
-                        strerror(errno));
+    FILE *file;
+    uint64_t size;
+    MCV_TRY(mcv_file_open(path, &file, &size, error));
     const mcv_result result = read_rays(file, path, rays, count, error);
     fclose(file);
     if (result != MCV_OK) {
