@@ -5,6 +5,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 /* What is known of a place, with standard errors: the light, its mean slopes and their
  * covariance. */
@@ -153,6 +154,14 @@ static mcv_result allocate(const mcv_directions *d, mcv_deflection *out, mcv_err
     return MCV_OK;
 }
 
+/* Whether bins stand for the same directions at each place. */
+static bool same_directions(const mcv_directions *a, const mcv_directions *b) {
+    const size_t count = 2 * (size_t)a->bins[0] * a->bins[1];
+    return memcmp(a->slopes, b->slopes, count * sizeof *a->slopes) == 0 &&
+           memcmp(a->middle, b->middle, sizeof a->middle) == 0 &&
+           memcmp(a->pitch, b->pitch, sizeof a->pitch) == 0;
+}
+
 static mcv_result open_directions(const mcv_matrix *matrix, const mcv_matrix *reference, work *w,
                                   mcv_error *error) {
     const mcv_directions *d = &w->directions, *u = &w->undisturbed;
@@ -161,7 +170,10 @@ static mcv_result open_directions(const mcv_matrix *matrix, const mcv_matrix *re
     MCV_TRY(mcv_directions_of(reference, &w->undisturbed, error));
     if (d->width == u->width && d->height == u->height && d->bins[0] == u->bins[0] &&
         d->bins[1] == u->bins[1])
-        return MCV_OK;
+        return same_directions(d, u)
+                   ? MCV_OK
+                   : mcv_fail(error, MCV_BAD_INPUT,
+                              "the reference is of another set-up: its bins are other directions");
     return mcv_fail(error, MCV_BAD_INPUT,
                     "the reference has %u x %u places of %u x %u directions, the matrix %u x %u of "
                     "%u x %u",

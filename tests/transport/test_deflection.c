@@ -151,6 +151,20 @@ static void test_nothing(void **state) {
     check("nothing", 0.02, "", "", undeflected, 0, 1);
 }
 
+/* A reference has the same directions. */
+static void test_another_set_up(void **state) {
+    (void)state;
+    mcv_session *session = open_session(NULL);
+    mcv_transport *matrix = transport_of(session, rig_of(0.02, "", "")),
+                  *wider = transport_of(session, rig_of(0.021, "", ""));
+    mcv_picture *picture = NULL;
+    FAILS(MCV_BAD_INPUT, "is of another set-up",
+          mcv_transport_deflection(matrix, wider, NULL, &picture, NULL, NULL, &error));
+    mcv_transport_free(matrix);
+    mcv_transport_free(wider);
+    mcv_session_close(session);
+}
+
 static void test_ball(void **state) {
     (void)state;
     check("ball", 0.2, ", \"extensions\": {\"MCVISI_surfaces\": {\"surface\": 0}}",
@@ -342,9 +356,13 @@ static void test_dent(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_nothing),      cmocka_unit_test(test_ball),
-        cmocka_unit_test(test_thin_lens),    cmocka_unit_test(test_prism),
-        cmocka_unit_test(test_dent),         cmocka_unit_test(test_bins_are_multinomial),
+        cmocka_unit_test(test_nothing),
+        cmocka_unit_test(test_another_set_up),
+        cmocka_unit_test(test_ball),
+        cmocka_unit_test(test_thin_lens),
+        cmocka_unit_test(test_prism),
+        cmocka_unit_test(test_dent),
+        cmocka_unit_test(test_bins_are_multinomial),
         cmocka_unit_test(test_prism_turned),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
