@@ -28,10 +28,15 @@ static mcv_result detect_with(const mcv_command *command, const mcv_picture *wit
     mcv_report r;
     if (command->mask) MCV_TRY(mcv_output_check(command->mask, error));
     if (command->truth) MCV_TRY(mcv_output_check(command->truth, error));
+    if (command->detected) MCV_TRY(mcv_output_check(command->detected, error));
     MCV_TRY(mcv_detect_pictures(command, &with->exr, with->path, &without->exr, without->path,
                                 &detected, error));
     mcv_result result = mcv_detect_look(command, &detected, error);
     if (result == MCV_OK && command->mask) result = mcv_detect_save(command, &detected, error);
+    const mcv_detect_view view = {command,       &detected,  &with->exr,
+                                  &without->exr, with->path, without->path};
+    if (result == MCV_OK && command->detected)
+        result = mcv_detect_write_page(command->detected, &view, error);
     if (result == MCV_OK && report) result = mcv_report_keep(&r, command->json, error);
     if (result == MCV_OK && report) {
         mcv_detect_report(command, &detected, &r);

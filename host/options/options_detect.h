@@ -17,6 +17,9 @@
     X(text, marred_rig, "rig", 0, "RIG.gltf", MCV_IN_DETECT, NULL, 0, 0, \
       "the rig of WITH.exr: tells which pixels see its defects, also through glass, and how " \
       "many of these show them") \
+    X(text, detected, "html", 0, "F.html", MCV_IN_DETECT, NULL, 0, 0, \
+      "also write a page: the answer, both pictures and their difference, with --rig the set-up " \
+      "from the side, and what was assumed") \
     X(text, truth, "truth", 0, "F.png", MCV_IN_DETECT, NULL, 0, 0, \
       "with --rig: write the share of each pixel that sees a defect, 255 for all; .png, " \
       ".tif or .npy")

@@ -145,6 +145,7 @@ mcv_result mcv_detect_pictures(const mcv_command *command, const mcv_exr *with,
 void mcv_detected_free(mcv_detected *detected) {
     mcv_image_free(&detected->sigmas);
     mcv_image_free(&detected->truth);
+    free(detected->setup);
 }
 
 mcv_result mcv_detect_save(const mcv_command *command, const mcv_detected *detected,
@@ -218,6 +219,7 @@ void mcv_detect_report(const mcv_command *command, const mcv_detected *detected,
     mcv_report_number(report, "visible", "", (double)d->visible);
     mcv_report_number(report, "visible_from", "", command->visible);
     mcv_detect_report_truth(command, detected, report);
+    if (command->detected) mcv_report_text(report, "page", command->detected);
     mcv_report_number(report, "electrons_per_unit", "", detected->camera.electrons_per_unit[0]);
     mcv_report_text(report, "lens_mtf", detected->lens[0] ? detected->lens : "none");
 }

@@ -6,6 +6,7 @@
 #include "analysis/detect.h"
 #include "io/exr.h"
 #include "options/command.h"
+#include "scene/scene.h"
 #include "verbs/report.h"
 
 /* What was found, and with which camera. */
@@ -13,7 +14,8 @@ typedef struct mcv_detected {
     mcv_detection detection;
     mcv_camera camera;
     mcv_image sigmas; /* |difference| in deviations of the noise; owned */
-    mcv_image truth;  /* share of each pixel that sees changed surface; owned, or empty */
+    mcv_image truth;  /* share of each pixel that sees a defect; owned, or empty */
+    char *setup;      /* HTML: the rig from the side; owned, or NULL */
     char lens[128];   /* what blurs, in words */
     bool same_seed;
     double step; /* of a parameter between the pictures [SI]; 0: not told */
@@ -31,6 +33,20 @@ void mcv_detected_free(mcv_detected *detected);
 mcv_result mcv_detect_look(const mcv_command *command, mcv_detected *detected, mcv_error *error);
 void mcv_detect_report_truth(const mcv_command *command, const mcv_detected *detected,
                              mcv_report *report);
+
+/* What --html shows. */
+typedef struct mcv_detect_view {
+    const mcv_command *command;
+    const mcv_detected *detected;
+    const mcv_exr *with, *without;
+    const char *with_path, *without_path;
+} mcv_detect_view;
+
+/* detect_page.c: writes the page. */
+mcv_result mcv_detect_write_page(const char *path, const mcv_detect_view *view, mcv_error *error);
+
+/* The set-up from the side as HTML, to be freed; NULL without memory. */
+char *mcv_detect_draw(const mcv_scene *scene, uint32_t sensor);
 
 /* Writes the mask of --output. */
 mcv_result mcv_detect_save(const mcv_command *command, const mcv_detected *detected,

@@ -10,15 +10,19 @@
 
 #include <math.h>
 
-/* The mask of the scene's sensor at the size of the picture. */
-static mcv_result look_through(const mcv_command *command, mcv_scene *scene, const mcv_image *like,
-                               mcv_image *truth, mcv_error *error) {
+/* The mask of the scene's sensor at the size of the picture, and the set-up for the page. */
+static mcv_result look_through(const mcv_command *command, mcv_scene *scene, mcv_detected *detected,
+                               mcv_error *error) {
+    const mcv_image *like = &detected->sigmas;
     uint32_t sensor = 0;
     if (scene->sensor_count == 0)
         return mcv_fail(error, MCV_BAD_INPUT, "%s: the scene has no sensor", scene->path);
     if (command->sensor) MCV_TRY(mcv_sensor_find(scene, command->sensor, &sensor, error));
     MCV_TRY(mcv_sensor_resize(scene->sensors + sensor, like->width, like->height, scene, error));
-    return ref_defect_mask(scene, sensor, truth, error);
+    MCV_TRY(ref_defect_mask(scene, sensor, &detected->truth, error));
+    if (command->detected && !(detected->setup = mcv_detect_draw(scene, sensor)))
+        return mcv_fail(error, MCV_FAILED, "no memory for the drawing of the set-up");
+    return MCV_OK;
 }
 
 static mcv_result save(const char *path, const mcv_image *truth, mcv_error *error) {
@@ -42,8 +46,7 @@ mcv_result mcv_detect_look(const mcv_command *command, mcv_detected *detected, m
                         "defect");
     if (!command->marred_rig) return MCV_OK;
     MCV_TRY(mcv_scene_load(command->marred_rig, set, &scene, error));
-    const mcv_result result =
-        look_through(command, scene, &detected->sigmas, &detected->truth, error);
+    const mcv_result result = look_through(command, scene, detected, error);
     mcv_scene_free(scene);
     MCV_TRY(result);
     return command->truth ? save(command->truth, &detected->truth, error) : MCV_OK;

@@ -148,7 +148,7 @@ static void tells_which_pixels_see_it(void **state) {
                 "render dug.gltf --device reference --spp 8 --parts replicates -o dug.exr");
         json_t *report =
             program_json("detect dug.exr dug.exr --expose-to 0.5 --json --rig dug.gltf "
-                         "--truth truth.png");
+                         "--truth truth.png --html seen.html");
         const double r = cases[i].diameter / 2 / 50e-6, wanted = M_PI * r * r,
                      tolerance = 2 * M_SQRT2 * M_PI * r / 8 + wanted / 1024,
                      area = number_at(report, "truth/area");
@@ -158,6 +158,11 @@ static void tells_which_pixels_see_it(void **state) {
         assert_true(number_at(report, "truth/visible") == 0);
         json_decref(report);
         assert_int_equal(access("truth.png", F_OK), 0);
+        const char *page = read_whole("seen.html");
+        static const char *const parts[] = {"do not differ", "looks at it", "<svg",
+                                            "What was simulated, and what not", "dug.exr"};
+        for (size_t k = 0; k < sizeof parts / sizeof parts[0]; ++k)
+            if (!strstr(page, parts[k])) fail_msg("%zu: the page has no \"%s\"", i, parts[k]);
     }
     program_fails("detect dug.exr dug.exr --expose-to 0.5 --truth t.png", 2, "--rig is missing");
     program_fails("detect with.exr with.exr --expose-to 0.5 --rig sky.gltf", 3, "has no defect");
