@@ -8,7 +8,7 @@
 #include "film/film_file.h"
 
 #ifndef KILLS
-#define KILLS 3 /* of each render */
+#define KILLS 2 /* of each render */
 #endif
 
 #define SCENES MCV_SOURCE_DIR "/scenes/"

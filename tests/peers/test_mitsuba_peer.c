@@ -5,8 +5,8 @@
  * An independent witness: thirteen scenes rendered by Mitsuba 3 as well, where `./run deps peers`
  * has put it (tests/peers/mitsuba_peer.py), and compared as `mcvisi compare` does. Rough glass is
  * of α = 0.02 only: what microfacets send on to each other is given back here and lost there, half
- * a percent at α = 0.05; test_gloss.c shows by walks from microfacet to microfacet that metals do
- * give it back.
+ * a percent at α = 0.05; test_gloss_walks.c shows by walks from microfacet to microfacet that
+ * metals do give it back.
  */
 #include "estimates.h"
 #include "peer_scenes.h"
