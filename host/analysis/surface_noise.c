@@ -7,10 +7,12 @@
 
 const char *const mcv_surface_channels[4] = {"X", "Y", "Z", "number"};
 
-/* A pixel on the lattice: corners 00, 10, 01, 11 (column, row) in cells along two axes of the
- * node. */
+/* A pixel on the lattice: corners 00, 10, 01, 11 (column, row) in cells along two axes of the node.
+ * Two triangles, 00, 10, 11 and 00, 01, 11, are mapped to it. Pixels side by side share their
+ * edges, so that a place lies in one of them. */
 typedef struct quad {
     double at[4][2];
+    double map[2][2][2]; /* of each triangle: from the lattice to places in the pixel */
     double low[2], high[2];
     uint32_t axis; /* nearest to the surface's normal: the two others are the lattice's */
     uint32_t number;
@@ -34,6 +36,22 @@ static bool corners(const mcv_surface_noise *s, uint32_t column, uint32_t row, d
     return true;
 }
 
+/* The inverses; infinite where a triangle has no area, and no place lies in it. */
+static void turn_back(quad *q) {
+    for (int half = 0; half < 2; ++half) {
+        const double *corner = q->at[1 + half];
+        double a[2], b[2];
+        for (int c = 0; c < 2; ++c) {
+            const double first = corner[c] - q->at[0][c], second = q->at[3][c] - corner[c];
+            a[c] = half ? second : first;
+            b[c] = half ? first : second;
+        }
+        const double det = a[0] * b[1] - a[1] * b[0];
+        q->map[half][0][0] = b[1] / det, q->map[half][0][1] = -b[0] / det;
+        q->map[half][1][0] = -a[1] / det, q->map[half][1][1] = a[0] / det;
+    }
+}
+
 static bool lay(const mcv_surface_noise *s, uint32_t column, uint32_t row, quad *q) {
     double at[4][3], normal[3];
     if (!corners(s, column, row, at, &q->number)) return false;
@@ -52,24 +70,15 @@ static bool lay(const mcv_surface_noise *s, uint32_t column, uint32_t row, quad 
             q->high[c] = fmax(q->high[c], q->at[k][c]);
         }
     }
+    turn_back(q);
     return true;
 }
 
-/* Where in the pixel a place of the lattice lies, by two triangles: 00, 10, 11 and 00, 01, 11.
- * Pixels side by side share their edges, so that a place lies in one of them. */
+/* Where in the pixel a place of the lattice lies. */
 static bool find(const quad *q, const double place[2], double in[2]) {
-    const double *o = q->at[0], *end = q->at[3];
+    const double x = place[0] - q->at[0][0], y = place[1] - q->at[0][1];
     for (int half = 0; half < 2; ++half) {
-        const double *corner = q->at[1 + half];
-        double a[2], b[2];
-        for (int c = 0; c < 2; ++c) {
-            a[c] = half ? end[c] - corner[c] : corner[c] - o[c];
-            b[c] = half ? corner[c] - o[c] : end[c] - corner[c];
-        }
-        const double det = a[0] * b[1] - a[1] * b[0], x = place[0] - o[0], y = place[1] - o[1];
-        if (det == 0) continue;
-        in[0] = (x * b[1] - y * b[0]) / det;
-        in[1] = (a[0] * y - a[1] * x) / det;
+        for (int c = 0; c < 2; ++c) in[c] = q->map[half][c][0] * x + q->map[half][c][1] * y;
         if (in[0] >= 0 && in[0] < 1 && in[1] >= 0 && in[1] < 1 && (in[0] < in[1]) == half)
             return true;
     }
