@@ -22,6 +22,10 @@
     X(flag, budget, "budget", 0, NULL, MCV_IN_SCAN, NULL, 0, 0, \
       "state what each cause contributes to the error of the heights, by a separate run, and " \
       "compare the sum with the error by all of them together") \
+    X(number, profile_rate, "profile-rate", 0, "F", MCV_IN_SCAN, NULL, 0, 1e9, \
+      "profiles per second: the part moves by --feed times F, and its speckle is fainter by the " \
+      "way " \
+      "that its image goes during --exposure-time") \
     X(text, pose, "pose", 0, "D,A", MCV_IN_SCAN, NULL, 0, 0, \
       "standard uncertainties of the camera's place along each of its axes and of its turn about " \
       "each, against the laser, as in 10um,0.005deg: --budget states their effect on heights")

@@ -112,6 +112,38 @@ static mcv_result read_head(const mcv_scene *scene, uint32_t sensor, mcv_scan *s
     return MCV_OK;
 }
 
+/*
+ * The way of the image during an exposure, over the first zero of the grains' covariance, and one:
+ * so many patterns follow on one another. The place is that of the light in the film's middle.
+ */
+static mcv_result read_motion(mcv_scan *s, mcv_error *error) {
+    const mcv_command *c = &s->command;
+    const double middle[2] = {s->model.size[0] / 2.0, s->model.size[1] / 2.0};
+    double world[3], from[2], to[2];
+    s->motion = 1;
+    if (!(c->profile_rate > 0)) return MCV_OK;
+    if (c->feed[0] == 0 || !(c->exposure_time > 0))
+        return mcv_fail(error, MCV_USAGE,
+                        "--profile-rate needs --feed and --exposure-time: they tell how far the "
+                        "part moves during an exposure");
+    if (!(c->exposure_time * c->profile_rate <= 1))
+        return mcv_fail(error, MCV_USAGE,
+                        "--profile-rate %g: --exposure-time %g s is longer than the time from "
+                        "profile to profile, %g s",
+                        c->profile_rate, c->exposure_time, 1 / c->profile_rate);
+    const double way = c->feed[0] * c->profile_rate * c->exposure_time;
+    if (c->scan_speckle || !mcv_triangulate(&s->model, &s->laser, middle, world) ||
+        !mcv_camera_model_project(&s->model, world, from))
+        return MCV_OK;
+    for (int k = 0; k < 3; ++k) world[k] += way * s->laser.m[3 * k + 1];
+    if (!mcv_camera_model_project(&s->model, world, to)) return MCV_OK;
+    s->motion +=
+        hypot((to[0] - from[0]) * s->model.pixel[0], (to[1] - from[1]) * s->model.pixel[1]) /
+        (1.22 * s->camera.wavelength[0] * s->model.f_number);
+    s->camera.speckle_patterns *= s->motion;
+    return MCV_OK;
+}
+
 mcv_result mcv_scan_begin(const mcv_command *command, const mcv_scene *scene, uint32_t sensor,
                           mcv_scan *s, mcv_error *error) {
     *s = (mcv_scan){.command = *command,
@@ -134,7 +166,8 @@ mcv_result mcv_scan_begin(const mcv_command *command, const mcv_scene *scene, ui
         p->calibrated = p->calibrated && mcv_scan_runs[run].calibrated;
         p->undistorted = p->undistorted && mcv_scan_runs[run].undistorted;
     }
-    return read_head(scene, sensor, s, error);
+    MCV_TRY(read_head(scene, sensor, s, error));
+    return read_motion(s, error);
 }
 
 void mcv_scan_free(mcv_scan *s) {

@@ -53,8 +53,9 @@ typedef struct mcv_scan {
     mcv_camera_model model;     /* owned: of the whole film */
     mcv_transform laser;        /* of its node, without scale */
     mcv_profiles profiles[MCV_SCAN_RUNS];
-    double pose[2];     /* standard uncertainties of the camera's place and turns [m, rad] */
-    double locking;     /* root of the mean square of the places' error by peak locking [pixel] */
+    double motion;  /* patterns of speckle that the motion during an exposure makes, at least 1 */
+    double pose[2]; /* standard uncertainties of the camera's place and turns [m, rad] */
+    double locking; /* root of the mean square of the places' error by peak locking [pixel] */
     uint32_t subpixels; /* along each side of a pixel */
     uint32_t axis;      /* of the image, across the line */
     bool straight;      /* no line bends */

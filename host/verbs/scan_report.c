@@ -161,6 +161,7 @@ static void report_head(const mcv_scan *s, mcv_report *report) {
                           mcv_scan_transmittance(s, size[0] / 2, size[1] / 2));
         mcv_report_number(report, "filter_passes_in_a_corner", "", mcv_scan_transmittance(s, 0, 0));
     }
+    if (s->motion > 1) mcv_report_number(report, "speckle_patterns_by_motion", "", s->motion);
     if (s->command.exposure_time > 0)
         mcv_report_number(report, "profile_rate_at_most", "1/s", 1 / s->command.exposure_time);
     if (s->budget) {

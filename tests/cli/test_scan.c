@@ -134,6 +134,28 @@ static void test_speckle_of_part(void **state) {
         fail_msg("correlation %g 5 um aside, %g 1 mm aside", together, apart);
 }
 
+/*
+ * 1000 profiles per second, 0.1 mm apart, of 0.4 ms: the part moves by 40 µm, of which the camera
+ * sees cos 30° at m = 1/9, and 1.22 λN are 6.442 µm: 1 + 3.849/6.442 = 1.5975 patterns. The tilt of
+ * the film takes the lengths on it from those across the axis by 1/cos 10.893° at its middle.
+ */
+static void test_motion(void **state) {
+    (void)state;
+    const char *line = "scan head.gltf --device reference --spp 16 --exposure-time 0.4ms --feed "
+                       "0.1mm --profiles 2 --profile-rate 1000 --json";
+    json_t *told = program_json(line);
+    const double patterns = member(told, "head", "speckle_patterns_by_motion"),
+                 expected = 1 + 40e-6 * cos(M_PI / 6) / 9 / 6.442e-6 / cos(10.893 * M_PI / 180);
+    if (!(fabs(patterns / expected - 1) <= 0.005))
+        fail_msg("%g patterns, expected %g", patterns, expected);
+    json_decref(told);
+    program_fails(
+        "scan head.gltf --exposure-time 2ms --feed 0.1mm --profiles 2 --profile-rate 1000", 2,
+        "is longer than the time from profile to profile, 0.001 s");
+    program_fails("scan head.gltf --expose-to 0.5 --feed 0.1mm --profiles 2 --profile-rate 9", 2,
+                  "--profile-rate needs --feed and --exposure-time");
+}
+
 /* The figures of data sheets: 48 pixels of 88 µm, 47 of 45 µm; perspective changes the first by
  * some percent over its range. */
 static void test_figures(void **state) {
@@ -243,9 +265,9 @@ static void test_bad_input(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_moving_head),     cmocka_unit_test(test_budget),
-        cmocka_unit_test(test_speckle_of_part), cmocka_unit_test(test_figures),
-        cmocka_unit_test(test_filter),          cmocka_unit_test(test_raw_images),
-        cmocka_unit_test(test_bad_input),
+        cmocka_unit_test(test_speckle_of_part), cmocka_unit_test(test_motion),
+        cmocka_unit_test(test_figures),         cmocka_unit_test(test_filter),
+        cmocka_unit_test(test_raw_images),      cmocka_unit_test(test_bad_input),
     };
     return cmocka_run_group_tests(tests, write_scene, leave_folder);
 }
