@@ -5,10 +5,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "check/find.h"
 #include "check/setup_page.h"
 #include "core/basics.h"
 #include "core/output_file.h"
 #include "explain/routes.h"
+#include "scene/emitters.h"
+#include "scene/materials.h"
 #include "scene/params.h"
 #include "verbs/render_picture.h"
 
@@ -97,6 +100,35 @@ static mcv_result report_route(const mcv_scene *scene, uint32_t sensor, const mc
     return MCV_OK;
 }
 
+/* Whether surfaces pass light on without spreading it. */
+static bool has_smooth_surfaces(const mcv_scene *scene) {
+    for (uint32_t i = 0; i < scene->instance_count; ++i) {
+        const mcv_material *m = scene->materials + scene->instances[i].material;
+        if (mcv_is_mirror(m)) return true;
+        if (mcv_material_has_medium(m->type) && !mcv_material_is_rough(m)) return true;
+    }
+    return false;
+}
+
+/* Without light paths nothing meets a light without extent behind smooth surfaces. */
+static void tell_missing(const mcv_scene *scene, mcv_report *r) {
+    char text[400];
+    if (!has_smooth_surfaces(scene)) return;
+    for (uint32_t i = 0; i < scene->emitter_count; ++i) {
+        const mcv_emitter *e = scene->emitters + i;
+        if (e->type == MCV_EMITTER_ENVIRONMENT ||
+            (mcv_emitter_has_surface(e->type) && e->type != MCV_EMITTER_COLLIMATED_BEAM))
+            continue;
+        snprintf(
+            text, sizeof text,
+            "light of emitter \"%.200s\" that smooth glass or mirrors bring to a surface is "
+            "missing: it has no extent, and there are no light paths; `mcvisi render` has them",
+            e->name ? e->name : "");
+        mcv_report_tell(r, "note", text);
+        return;
+    }
+}
+
 static mcv_result report_routes(const mcv_command *command, const mcv_scene *scene, uint32_t sensor,
                                 const uint32_t pixel[2], uint64_t samples, const mcv_routes *routes,
                                 mcv_report *r, mcv_error *error) {
@@ -157,6 +189,7 @@ mcv_result mcv_explain(const mcv_command *command, const mcv_scene *scene, uint3
                                               mcv_routes_add, &routes, error);
     if (result == MCV_OK) result = mcv_routes_finish(&routes, samples, error);
     if (result == MCV_OK) result = write_files(command, scene, sensor, pixel, &routes, error);
+    if (result == MCV_OK) tell_missing(scene, report);
     if (result == MCV_OK)
         result = report_routes(command, scene, sensor, pixel, samples, &routes, report, error);
     mcv_routes_free(&routes);

@@ -275,6 +275,22 @@ static void test_pixel_of_a_projector(void **state) {
     json_decref(found);
 }
 
+/* Where smooth surfaces may bring light of a lamp without extent, what is missing is told. */
+static void test_missing_light_is_told(void **state) {
+    (void)state;
+    mcv_rig *rig = parse_rig(SCENE(""));
+    json_t *found = explain(SCENE(""), "{\"pixel\": \"4,4\", \"spp\": 64}");
+    assert_null(json_object_get(found, "notes"));
+    json_decref(found);
+    WELL(mcv_rig_set(rig, "materials/white/extensions/MCVISI_materials/type", "mirror", &error));
+    found = explain_rig(rig, "{\"pixel\": \"4,4\", \"spp\": 64}");
+    char *notes = json_dumps(json_object_get(found, "notes"), 0);
+    assert_non_null(notes);
+    if (!strstr(notes, "light of emitter \\\"weak\\\"")) fail_msg("%s", notes);
+    free(notes);
+    json_decref(found);
+}
+
 /* The drawing has a line for each route, and colours that any program knows. */
 static void test_drawing(void **state) {
     (void)state;
@@ -317,11 +333,11 @@ static void test_bad_pixels(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_shares_of_two_lights), cmocka_unit_test(test_share_of_a_sky),
-        cmocka_unit_test(test_strongest_path),       cmocka_unit_test(test_routes_within_a_box),
-        cmocka_unit_test(test_ghosts_of_a_lens),     cmocka_unit_test(test_value_is_the_render),
-        cmocka_unit_test(test_pixel_of_a_projector), cmocka_unit_test(test_drawing),
-        cmocka_unit_test(test_bad_pixels),
+        cmocka_unit_test(test_shares_of_two_lights),  cmocka_unit_test(test_share_of_a_sky),
+        cmocka_unit_test(test_strongest_path),        cmocka_unit_test(test_routes_within_a_box),
+        cmocka_unit_test(test_ghosts_of_a_lens),      cmocka_unit_test(test_value_is_the_render),
+        cmocka_unit_test(test_pixel_of_a_projector),  cmocka_unit_test(test_drawing),
+        cmocka_unit_test(test_missing_light_is_told), cmocka_unit_test(test_bad_pixels),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
