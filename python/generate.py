@@ -549,6 +549,16 @@ if TYPE_CHECKING:
 '''
 
 
+NAMES = """
+
+# Messages of Python, such as of an unknown argument, call the functions as users know them.
+for _class, _name in ((RigVerbs, "Rig"), (ImageVerbs, "Image")):
+    for _function in vars(_class).values():
+        if callable(_function):
+            _function.__qualname__ = "%s.%s" % (_name, _function.__name__)
+"""
+
+
 def hidden(name: str, arguments: str, result: str, coroutine: bool = False) -> str:
     """What the class that has the functions does."""
     return "    %sdef %s(self, %s) -> %s:\n        raise NotImplementedError\n" % (
@@ -575,6 +585,7 @@ def verbs_source(schemas: Dict[str, Dict[str, Any]]) -> str:
             parts.append("\n" + hidden(called[1], arguments, verb.result, verb.coroutine))
     for verb in FUNCTIONS:
         parts.append("\n\n" + verb.source(schemas, ""))
+    parts.append(NAMES)
     return "".join(parts)
 
 

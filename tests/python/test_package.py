@@ -58,6 +58,15 @@ def test_signatures_follow_from_the_option_list():
             assert renamed[name] in parameters
 
 
+def test_an_unknown_argument_is_told_of_the_class_that_users_know():
+    with pytest.raises(
+        TypeError, match=r"^Rig\.render\(\) got an unexpected keyword argument 'ssp'"
+    ):
+        mv.Rig({"asset": {"version": "2.0"}}).render(ssp=4)
+    with pytest.raises(TypeError, match=r"^Image\.camera\(\) got"):
+        mv.Image([[1.0]]).camera(exposure=1)
+
+
 def test_types_are_strict(tmp_path):
     pytest.importorskip("mypy")
     (tmp_path / "user.py").write_text(
