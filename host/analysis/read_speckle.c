@@ -66,7 +66,7 @@ static uint32_t whole_number(const mcv_exr *exr, const char *name) {
 }
 
 mcv_result mcv_exr_aperture(const char *path, const mcv_exr *exr, mcv_aperture_shape *aperture,
-                            mcv_error *error) {
+                            mcv_mask *mask, mcv_error *error) {
     const mcv_attribute *word = mcv_exr_attribute(exr, MCV_PICTURE_APERTURE);
     const double *ratio = mcv_exr_numbers(exr, "mcvisi:apertureRatio", 1),
                  *rotation = mcv_exr_numbers(exr, "mcvisi:apertureRotation", 1);
@@ -77,12 +77,9 @@ mcv_result mcv_exr_aperture(const char *path, const mcv_exr *exr, mcv_aperture_s
                                      .blades = whole_number(exr, "mcvisi:apertureBlades"),
                                      .order = whole_number(exr, "mcvisi:apertureOrder")};
     if (!word) return MCV_OK;
-    if (word->text && strcmp(word->text, words[MCV_APERTURE_MASK]) == 0)
-        return mcv_fail(error, MCV_BAD_INPUT,
-                        "%s: the speckle of an aperture of shape \"%s\" is not known: render with "
-                        "disc, ring, half, blades or coded",
-                        path, word->text);
-    for (int i = MCV_APERTURE_DISC; i <= MCV_APERTURE_CODED; ++i) {
+    const mcv_attribute *cells = mcv_exr_attribute(exr, MCV_PICTURE_MASK);
+    if (cells && cells->text && mcv_header_read_mask(cells->text, mask)) aperture->mask = mask;
+    for (int i = MCV_APERTURE_DISC; i <= MCV_APERTURE_MASK; ++i) {
         aperture->shape = i;
         if (word->text && strcmp(word->text, words[i]) == 0 && mcv_aperture_is_valid(aperture))
             return MCV_OK;
@@ -124,7 +121,7 @@ static bool find_surface(const char *path, const mcv_exr *exr, const mcv_exr *la
 /* What the headers and settings say of the speckle. */
 static mcv_result describe(const mcv_camera_settings *settings, const char *path,
                            const mcv_exr *exr, const mcv_exr *laser, mcv_speckle *speckle,
-                           double size[2], mcv_error *error) {
+                           mcv_mask *mask, double size[2], mcv_error *error) {
     const double *f_number = mcv_exr_numbers(exr, "mcvisi:fNumber", 1),
                  *linewidth = mcv_exr_numbers(laser, MCV_LASER_LINEWIDTH, 1);
     if (!f_number || !mcv_camera_pixel_size(exr, size) ||
@@ -133,7 +130,7 @@ static mcv_result describe(const mcv_camera_settings *settings, const char *path
                         "%s: has no f-number and pixel size of one stop in its header, which "
                         "make the grains of speckle: use a thinLens or telecentric sensor",
                         path);
-    MCV_TRY(mcv_exr_aperture(path, exr, &speckle->aperture, error));
+    MCV_TRY(mcv_exr_aperture(path, exr, &speckle->aperture, mask, error));
     speckle->disc_blurred = strcmp(settings->lens_mtf, "diffraction") == 0;
     speckle->f_number = *f_number;
     speckle->wavelength = *mcv_exr_numbers(laser, MCV_LASER_WAVELENGTH, 1);
@@ -170,13 +167,15 @@ mcv_result mcv_camera_add_speckle(const mcv_camera_settings *settings, const cha
     const mcv_exr *picture = settings->speckle_light ? settings->speckle_light : &file;
     mcv_speckle speckle = {0};
     mcv_surface_noise surface;
+    mcv_mask mask;
     double size[2];
     *contrast = 0;
     if (!settings->speckle) return MCV_OK;
     if (picture == &file) MCV_TRY(mcv_exr_read(settings->speckle, &file, error));
     subpixels laser = {.path = settings->speckle, .exr = picture};
     mcv_result result = check_light(&laser, path, exr, error);
-    if (result == MCV_OK) result = describe(settings, path, exr, picture, &speckle, size, error);
+    if (result == MCV_OK)
+        result = describe(settings, path, exr, picture, &speckle, &mask, size, error);
     if (result == MCV_OK) result = check_grid(&laser, path, exr, &speckle, size, error);
     if (result == MCV_OK && find_surface(path, exr, picture, &speckle, &surface))
         speckle.surface = &surface;

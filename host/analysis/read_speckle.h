@@ -13,10 +13,10 @@
 /* In that of grey values: the contrast of the field's speckle. */
 #define MCV_SPECKLE_CONTRAST "mcvisi:speckleContrast"
 
-/* What of the stop is open, by the header; `path` is for messages. MCV_BAD_INPUT for a mask, whose
- * cells the header does not have, and for what is no shape. */
+/* What of the stop is open, by the header; `path` is for messages, and `mask` keeps the cells of
+ * one. MCV_BAD_INPUT for what is no shape, or a mask without cells. */
 mcv_result mcv_exr_aperture(const char *path, const mcv_exr *exr, mcv_aperture_shape *aperture,
-                            mcv_error *error);
+                            mcv_mask *mask, mcv_error *error);
 
 /*
  * Adds speckle to the first part, which the lens has blurred: the settings name the picture of the

@@ -85,7 +85,7 @@ typedef struct speckle {
     mcv_aperture aperture;
     double *sums;    /* of w |U|², then less the mean, per sub-pixel of the grid */
     double *blurred; /* |h|²'s transform */
-    double open;     /* frequencies that the pupil passes */
+    double open;     /* the sum of P² */
     double weight;
     uint32_t pattern;
 } speckle;
@@ -96,13 +96,16 @@ static double frequency(const speckle *s, int axis, size_t k) {
     return (2 * k < n ? (double)k : (double)k - (double)n) / ((double)n * s->given->pitch[axis]);
 }
 
-/* In the pupil's radii y is up. Which of two opposite places a frequency belongs to makes no
+/* P: of a mask, which absorbs, the root of what its cells pass of the light. In the pupil's radii y
+ * is up. Which of two opposite places a frequency belongs to makes no
  * difference to |U|². */
-static bool passes(const speckle *s, size_t column, size_t row) {
+static double passes(const speckle *s, size_t column, size_t row) {
     const double radius = 2 * s->given->wavelength * s->given->f_number,
                  x = radius * frequency(s, 0, column), y = -radius * frequency(s, 1, row);
-    if (fabs(x) > 1 || fabs(y) > 1 || hypot(x, y) > 1) return false;
-    return s->whole || mcv_aperture_weight(&s->aperture, (float)x, (float)y) > 0;
+    if (fabs(x) > 1 || fabs(y) > 1 || hypot(x, y) > 1) return 0;
+    if (s->whole) return 1;
+    const double weight = (double)mcv_aperture_weight(&s->aperture, (float)x, (float)y);
+    return s->given->aperture.shape == MCV_APERTURE_MASK ? sqrt(weight) : weight > 0;
 }
 
 static void set_pupil(speckle *s, bool whole) {
@@ -110,7 +113,7 @@ static void set_pupil(speckle *s, bool whole) {
     s->open = 0;
     for (size_t row = 0; row < s->grid.size[1]; ++row)
         for (size_t column = 0; column < s->grid.size[0]; ++column)
-            s->open += passes(s, column, row);
+            s->open += pow(passes(s, column, row), 2);
 }
 
 /* Where E of a grid point stands, or NULL in the margin. */
@@ -168,9 +171,10 @@ static void stop_row(void *user, size_t row) {
     speckle *s = user;
     for (size_t column = 0; column < s->grid.size[0]; ++column) {
         double *value = s->grid.values + 2 * (row * s->grid.size[0] + column);
-        const bool open = passes(s, column, row);
-        value[0] = open ? value[0] : 0;
-        value[1] = open ? -value[1] : 0; /* conjugate: the next transform is the inverse */
+        const double passed = passes(s, column, row);
+        value[0] = passed > 0 ? passed * value[0] : 0;
+        value[1] =
+            passed > 0 ? -passed * value[1] : 0; /* conjugate: the next transform is the inverse */
     }
 }
 

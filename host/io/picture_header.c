@@ -6,7 +6,9 @@
 #include "scene/params.h"
 #include "scene/sensors.h"
 
+#include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 
 mcv_result mcv_header_describe(const mcv_scene *scene, uint32_t sensor, mcv_image *image,
                                mcv_error *error) {
@@ -17,6 +19,36 @@ mcv_result mcv_header_describe(const mcv_scene *scene, uint32_t sensor, mcv_imag
     return image->description
                ? MCV_OK
                : mcv_fail(error, MCV_FAILED, "%s: no memory for the camera model", scene->path);
+}
+
+char *mcv_header_mask(const mcv_sensor *sensor, bool *has) {
+    const mcv_aperture_shape shape = mcv_sensor_aperture(sensor);
+    char *text = NULL;
+    size_t size;
+    *has = shape.shape == MCV_APERTURE_MASK;
+    FILE *out = *has ? open_memstream(&text, &size) : NULL;
+    if (!out) return NULL;
+    fprintf(out, "%u", shape.mask->side);
+    for (uint32_t i = 0; i < shape.mask->side * shape.mask->side; ++i)
+        fprintf(out, " %.9g", (double)shape.mask->values[i]);
+    if (fclose(out) == 0) return text;
+    free(text);
+    return NULL;
+}
+
+bool mcv_header_read_mask(const char *text, mcv_mask *mask) {
+    char *end;
+    const double side = strtod(text, &end);
+    *mask = (mcv_mask){.side = 0};
+    if (!(side >= 1 && side <= MCV_MASK_SIDE) || side != floor(side)) return false;
+    for (uint32_t i = 0; i < (uint32_t)side * (uint32_t)side; ++i) {
+        const char *from = end;
+        const double value = strtod(from, &end);
+        if (end == from || !(value >= 0 && value <= 1)) return false;
+        mask->values[i] = (float)value;
+    }
+    mask->side = (uint32_t)side;
+    return *end == '\0';
 }
 
 uint32_t mcv_header_attributes(const mcv_sensor *sensor,

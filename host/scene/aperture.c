@@ -122,6 +122,8 @@ double mcv_aperture_border(const mcv_aperture_shape *s) {
         return 1 / cos(M_PI / s->blades);
     case MCV_APERTURE_CODED:
         return s->order / (2 * inscribed);
+    case MCV_APERTURE_MASK:
+        return fmax(1, s->mask->side / 2.0);
     default:
         return 1;
     }

@@ -52,14 +52,14 @@ mcv_result mcv_profiles_begin(const mcv_command *command, mcv_texts images, mcv_
 
 /* --- one image --- */
 
-/* What the header says of the laser's light, for speckle. That of a mask, whose cells it does not
- * have, is not known. */
-static void read_light(const mcv_exr *exr, mcv_aperture_shape *aperture,
+/* What the header says of the laser's light, for speckle. */
+static void read_light(const mcv_exr *exr, mcv_aperture_shape *aperture, mcv_mask *mask,
                        mcv_profile_settings *settings) {
     mcv_error ignored;
     const double *contrast = mcv_exr_numbers(exr, MCV_SPECKLE_CONTRAST, 1),
                  *wavelength = mcv_exr_numbers(exr, MCV_LASER_WAVELENGTH, 1);
-    if (!contrast || !wavelength || mcv_exr_aperture("", exr, aperture, &ignored) != MCV_OK) return;
+    if (!contrast || !wavelength || mcv_exr_aperture("", exr, aperture, mask, &ignored) != MCV_OK)
+        return;
     if (aperture->shape != MCV_APERTURE_DISC) settings->aperture = aperture;
     settings->contrast = *contrast;
     settings->wavelength = *wavelength;
@@ -143,6 +143,7 @@ static mcv_result find_profile(mcv_profiles *p, mcv_subject *s, mcv_error *error
     const mcv_image *values = &s->readings.values;
     mcv_transform laser, frame;
     mcv_aperture_shape aperture;
+    mcv_mask mask;
     if (p->undistorted && s->has_model) mcv_lens_map_forget(&s->model.lens);
     mcv_profile_settings settings = {
         .line = {.extractor = (int)c->extractor, .window = (uint32_t)c->line_window},
@@ -151,7 +152,7 @@ static mcv_result find_profile(mcv_profiles *p, mcv_subject *s, mcv_error *error
         .feed = c->feed[0] * p->added};
     if (s->has_model && isfinite(s->model.black_level))
         settings.line.background = s->model.black_level;
-    if (!s->picture->values) read_light(&s->picture->exr, &aperture, &settings);
+    if (!s->picture->values) read_light(&s->picture->exr, &aperture, &mask, &settings);
     if (c->laser) {
         MCV_TRY(place_laser(p, s, &laser, &frame, error));
         if (p->calibrated) laser = mcv_light_plane_turn(&p->plane, &s->model, &laser);
@@ -226,7 +227,7 @@ void mcv_profiles_report(const mcv_profiles *p, mcv_report *report) {
     if (p->noisy && !p->speckled)
         mcv_report_tell(report, "note",
                         "uncertainties are without speckle: `mcvisi camera --speckle` adds it, and "
-                        "the header of its OpenEXR file tells it where the stop has no mask");
+                        "the header of its OpenEXR file tells it");
     mcv_report_number(report, "profiles", "", p->added);
     mcv_report_number(report, "places", "", p->length);
     for (int i = 0; i < MCV_LINE_STATE_COUNT; ++i)

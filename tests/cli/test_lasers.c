@@ -119,6 +119,26 @@ static void test_half_a_stop(void **state) {
         fail_msg("neighbours: %g across, %g down", across, down);
 }
 
+/* A mask whose left half is open is a half: its cells are in the header. */
+static void test_mask(void **state) {
+    (void)state;
+    static const char set[] = "--set sensors/camera/aperture=mask "
+                              "--set 'sensors/camera/apertureMask=[[1,0],[1,0]]'";
+    char line[512];
+    write_scene("mask.gltf", "0.02", "0");
+    snprintf(line, sizeof line, "render mask.gltf --spp 16 --device reference %s -o mask.exr", set);
+    program_well(line);
+    snprintf(line, sizeof line,
+             "render mask.gltf --lasers 4 --spp 4 --device reference %s -o laser.exr", set);
+    program_well(line);
+    program_well("camera mask.exr --expose-to 0.1 --full-well 40000 --bits 16 --speckle laser.exr "
+                 "-o grey.exr");
+    const double across = correlation_of("grey.exr", "grey.exr", 1, 0),
+                 down = correlation_of("grey.exr", "grey.exr", 0, 1);
+    if (!(fabs(across - 0.543) <= 0.12) || !(fabs(down - 0.244) <= 0.12))
+        fail_msg("neighbours: %g across, %g down", across, down);
+}
+
 /*
  * The wall carries its speckle: moved by three pixels, of 5.28 µm · 175/25 = 36.96 µm each, it has
  * the same grains three pixels aside. Each grain is a mean of sub-pixels whose light both renders
@@ -173,6 +193,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_from_scene_to_speckle),
         cmocka_unit_test(test_half_a_stop),
+        cmocka_unit_test(test_mask),
         cmocka_unit_test(test_part_carries_its_speckle),
         cmocka_unit_test(test_lamps_make_no_speckle),
     };
