@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Lights that no ray of sight meets, or seldom: collimated beams, the points, spots and suns that
+"""Lights that no camera ray meets, or seldom: collimated beams, the points, spots and suns that
 Blender exports, and light of 0.5° behind glass."""
 
 from basics import box, diffuse, square

@@ -6,7 +6,7 @@ from sketch import DIM, FAINT, HUES, INK, SIGHT, Sketch
 
 
 def pinhole():
-    s = Sketch(650, 270, (270, 140), "Pinhole camera: image plane, pinhole and two rays of sight")
+    s = Sketch(650, 270, (270, 140), "Pinhole camera: image plane, pinhole and two camera rays")
     b, half, far = 150, 60, 300
     s.axis(-220, 360)
     s.film(-b, -half, half, 8)
@@ -31,7 +31,7 @@ def thin_lens():
         720,
         330,
         (250, 180),
-        "Thin lens camera: a ray of sight from the film through the " "lens to the plane in focus",
+        "Thin lens camera: a camera ray from the film through the " "lens to the plane in focus",
     )
     f, w, half = 80, 300, 72
     b = f * w / (w - f)

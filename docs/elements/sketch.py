@@ -10,7 +10,7 @@ import math
 import re
 
 INK, FAINT, DIM = "#222222", "#8a8a8a", "#555555"
-LIGHT, SIGHT = "#d07a00", "#c1272d"  # what an emitter sends; a ray of sight
+LIGHT, SIGHT = "#d07a00", "#c1272d"  # what an emitter sends; a camera ray
 GLASS, EDGE, FILM, PALE = "#d9ecfa", "#2b7bb9", "#2c6e49", "#fdebc8"
 HUES = ("#c1272d", "#d07a00", "#2c6e49", "#2b5fb9", "#7a3fa0")
 

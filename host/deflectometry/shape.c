@@ -43,21 +43,21 @@ static mcv_result shape_new(mcv_shape *s, uint32_t width, uint32_t height, mcv_e
 }
 
 /* Slopes at the pixel where it shows a place of the screen. */
-static bool slopes_at(const setting *s, const mcv_sight *sight, const double at[3],
+static bool slopes_at(const setting *s, const mcv_chief_ray *ray, const double at[3],
                       const double pixel[2], double slopes[2]) {
     double shown[3];
     mcv_screen_point(s->screen, pixel, shown);
-    return mcv_slopes_of(sight, s->plane, at, shown, slopes);
+    return mcv_slopes_of(ray, s->plane, at, shown, slopes);
 }
 
 /* By differences of one pixel of the screen, over which the law of reflection is linear enough. */
-static void propagate(const setting *s, const mcv_sight *sight, const double at[3], size_t i,
+static void propagate(const setting *s, const mcv_chief_ray *ray, const double at[3], size_t i,
                       const double slopes[2]) {
     double variance[2] = {0, 0};
     for (int way = 0; way < 2; ++way) {
         double moved[2], pixel[2] = {s->places[0][i].place, s->places[1][i].place};
         pixel[way] += 1;
-        if (!slopes_at(s, sight, at, pixel, moved)) continue;
+        if (!slopes_at(s, ray, at, pixel, moved)) continue;
         for (int k = 0; k < 2; ++k)
             variance[k] += pow((moved[k] - slopes[k]) * s->places[way][i].deviation, 2);
     }
@@ -71,17 +71,17 @@ static void look_at_row(void *user, size_t row) {
     for (uint32_t column = 0; column < shape->width; ++column) {
         const size_t i = row * shape->width + column;
         const double pixel[2] = {s->places[0][i].place, s->places[1][i].place};
-        const mcv_sight sight = mcv_sight_of(s->model, column, (uint32_t)row);
+        const mcv_chief_ray ray = mcv_chief_ray_of(s->model, column, (uint32_t)row);
         double at[3], slopes[2];
         shape->valid[i] = !isnan(pixel[0]) && !isnan(pixel[1]) &&
-                          mcv_meet_plane(&sight, s->plane, shape->z[i], at) &&
-                          slopes_at(s, &sight, at, pixel, slopes);
+                          mcv_intersect_plane(&ray, s->plane, shape->z[i], at) &&
+                          slopes_at(s, &ray, at, pixel, slopes);
         if (!shape->valid[i]) continue;
         shape->x[i] = at[0];
         shape->y[i] = at[1];
         shape->p[i] = slopes[0];
         shape->q[i] = slopes[1];
-        propagate(s, &sight, at, i, slopes);
+        propagate(s, &ray, at, i, slopes);
     }
 }
 

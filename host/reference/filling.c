@@ -61,7 +61,7 @@ static bool in_cone(const mcv_scene *scene, const mcv_emitter *emitter, ref_vec 
     return fabs(ref_dot(direction, right)) <= range && fabs(ref_dot(direction, up)) <= range;
 }
 
-/* Follows one ray of sight to the first surface. */
+/* Follows one camera ray to the first surface. */
 static void look(const ref_geometry *geometry, ref_sensor_ray sensor_ray, tally *tallies) {
     const mcv_scene *scene = geometry->scene;
     ref_hit hit;

@@ -156,10 +156,10 @@ static void mcv_find_contacts(mcv_world world, mcv_vec3 origin, mcv_hit hit,
 }
 #endif
 
-MCV_FUNCTION mcv_interaction mcv_meet(mcv_world world, mcv_vec3 origin, mcv_vec3 direction,
-                                      mcv_hit hit) {
+MCV_FUNCTION mcv_interaction mcv_hit_interaction(mcv_world world, mcv_vec3 origin,
+                                                 mcv_vec3 direction, mcv_hit hit) {
     mcv_interaction interaction =
-        mcv_meet_at(mcv_hit_surface(world, origin, direction, hit), direction);
+        mcv_surface_interaction(mcv_hit_surface(world, origin, direction, hit), direction);
 #if MCV_WITH_CONTACT
     mcv_find_contacts(world, origin, hit, &interaction);
 #endif

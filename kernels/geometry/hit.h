@@ -31,7 +31,7 @@ typedef struct mcv_interaction {
 #endif
 } mcv_interaction;
 
-MCV_LOOP_FUNCTION mcv_interaction mcv_meet_at(mcv_surface surface, mcv_vec3 direction) {
+MCV_LOOP_FUNCTION mcv_interaction mcv_surface_interaction(mcv_surface surface, mcv_vec3 direction) {
     mcv_interaction interaction;
     interaction.surface = surface;
     interaction.direction = direction;

@@ -25,7 +25,8 @@ MCV_FUNCTION mcv_world mcv_disperse(mcv_world world, mcv_slot slot) {
 
 #if MCV_TILE
 MCV_LOOP_FUNCTION void mcv_put_surface(mcv_slot slot, mcv_surface surface) {
-    const mcv_interaction interaction = mcv_meet_at(surface, MCV_LOAD_3(slot, direction));
+    const mcv_interaction interaction =
+        mcv_surface_interaction(surface, MCV_LOAD_3(slot, direction));
     MCV_STORE_3(slot, point, surface.point);
     MCV_STORE_3(slot, error, surface.error);
     MCV_STORE(slot, area, 0, surface.area);
@@ -106,8 +107,8 @@ MCV_LOOP_FUNCTION mcv_interaction mcv_make_interaction(mcv_world world, mcv_slot
     return interaction;
 #else
     const mcv_hit hit = {MCV_LOAD(slot, hit, 0), u, v, triangle};
-    return mcv_meet(mcv_at_time(world, slot), MCV_LOAD_3(slot, origin), MCV_LOAD_3(slot, direction),
-                    hit);
+    return mcv_hit_interaction(mcv_at_time(world, slot), MCV_LOAD_3(slot, origin),
+                               MCV_LOAD_3(slot, direction), hit);
 #endif
 }
 

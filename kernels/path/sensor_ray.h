@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Rays of sight in the world. */
+/* Camera rays in the world. */
 #ifndef MCVISI_KERNELS_SENSOR_RAY_H
 #define MCVISI_KERNELS_SENSOR_RAY_H
 
@@ -85,7 +85,7 @@ MCV_LOOP_FUNCTION int mcv_in_pupil(float p_x, float p_y) {
 }
 
 /*
- * A ray of sight of a pixel: half of the samples take the whole pupil, half the ellipse of the
+ * A camera ray of a pixel: half of the samples take the whole pupil, half the ellipse of the
  * pixel's aim; weighed by the balance heuristic, density of the pupil over that of the mixture.
  */
 MCV_LOOP_FUNCTION mcv_sensor_ray mcv_guided_sensor_ray(mcv_world world, mcv_film_sample film,

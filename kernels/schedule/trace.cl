@@ -102,7 +102,8 @@ static float mcv_traced_radiance(mcv_world world, mcv_interaction interaction, u
 static void mcv_pass_surface(mcv_world world, mcv_hit hit, mcv_traced *at) {
     const mcv_pair always_refract = {1.0f, 0.0f};
     const mcv_vec3 nothing = mcv_vec(0.0f, 0.0f, 0.0f);
-    const mcv_interaction interaction = mcv_meet(world, at->origin, at->on.direction, hit);
+    const mcv_interaction interaction =
+        mcv_hit_interaction(world, at->origin, at->on.direction, hit);
     const uint media = at->on.media;
     uint unmatched = 0;
     mcv_scattering other;

@@ -116,8 +116,8 @@ MCV_FUNCTION mcv_color mcv_connection_transmittance(mcv_world world, mcv_connect
             mcv_closest_within(world, connection.origin, way, connection.origin_surface);
         ++counts[MCV_COUNTER_shadow_rays];
         if (hit.triangle == MCV_NONE) return transmittance;
-        const mcv_interaction interaction =
-            mcv_meet_at(mcv_hit_surface(world, connection.origin, way, hit), mcv_normalize(way));
+        const mcv_interaction interaction = mcv_surface_interaction(
+            mcv_hit_surface(world, connection.origin, way, hit), mcv_normalize(way));
         if (plates == 0 || !mcv_is_plate(world, interaction)) return mcv_grey(0.0f);
         const mcv_scattering on = mcv_scatter(world, interaction, connection.media, never_reflect,
                                               0.0f, 0, &counts[MCV_COUNTER_unmatched], &other);

@@ -9,7 +9,7 @@
 #include "path/dispersion.h"
 #include "path/sensor_ray.h"
 
-/* The ray of sight of a sample, in the sensor's frame; of no weight beside the film. *time: when.
+/* The camera ray of a sample, in the sensor's frame, without weight beside the film. *time: when.
  */
 MCV_LOOP_FUNCTION mcv_sensor_ray mcv_sample_sensor_ray(mcv_world world, mcv_identity id,
                                                        float *time) {
@@ -42,7 +42,7 @@ MCV_LOOP_FUNCTION mcv_sensor_ray mcv_sample_sensor_ray(mcv_world world, mcv_iden
     return sensor_ray;
 }
 
-/* A ray of sight becomes the path's, in the scene. */
+/* A camera ray becomes the path's, in the scene. */
 MCV_LOOP_FUNCTION void mcv_store_sensor_ray(mcv_world world, mcv_slot slot,
                                             mcv_sensor_ray sensor_ray) {
 #if MCV_WITH_MIXED

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * Stage, once per sensor: finds for each pixel which rays of sight run into the narrow cone of a
+ * Stage, once per sensor: finds for each pixel which camera rays run into the narrow cone of a
  * parallel emitter, directly or through smooth surfaces. Of the angles q between emitter and ray
  * (sines, about the emitter's axis) first-order optics says how they change with the point p of the
  * pupil and the place s in the pixel: q = q0 + A (p - p0) + B s. Newton's method finds the centre,
@@ -21,13 +21,13 @@
 /* The ellipse is this much larger than to first order. */
 #define MCV_AIM_MARGIN 1.25f
 
-/* A ray of sight that ends on a parallel emitter's front. */
+/* A camera ray that ends on a parallel emitter's front. */
 typedef struct mcv_aimed {
     float q_x, q_y;
     uint emitter; /* MCV_NONE: it ends elsewhere */
 } mcv_aimed;
 
-/* Follows a ray of sight, always refracted where that is possible. */
+/* Follows a camera ray, always refracted where that is possible. */
 static mcv_aimed mcv_follow(mcv_world world, mcv_film_sample film, float p_x, float p_y) {
     const mcv_pair always_refract = {1.0f, 0.0f};
     const mcv_ray begun =
@@ -43,7 +43,7 @@ static mcv_aimed mcv_follow(mcv_world world, mcv_film_sample film, float p_x, fl
         uint unmatched = 0;
         const mcv_hit hit = mcv_closest(world, origin, direction, origin_surface);
         if (hit.triangle == MCV_NONE) return aimed;
-        const mcv_interaction interaction = mcv_meet(world, origin, direction, hit);
+        const mcv_interaction interaction = mcv_hit_interaction(world, origin, direction, hit);
         const uint emitter = world.instances[interaction.surface.instance].emitter;
         if (emitter != MCV_NONE) {
             __global const mcv_device_emitter *e = world.emitters + emitter;

@@ -133,7 +133,8 @@ MCV_FUNCTION void mcv_trace_light_path(mcv_world world, uint index, __global uin
         path.length += hit.t;
         path.throughput =
             mcv_tint(path.throughput, mcv_medium_transmittance(world, path.media, hit.t));
-        const mcv_interaction interaction = mcv_meet(world, path.origin, path.direction, hit);
+        const mcv_interaction interaction =
+            mcv_hit_interaction(world, path.origin, path.direction, hit);
 #if MCV_WITH_DISPERSION
         const mcv_world seen =
             mcv_disperse_at(world, interaction.surface.instance, id.stream, id.sample,

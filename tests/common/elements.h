@@ -112,7 +112,7 @@ static inline void run_sensor(const char *kernel_name, const mcv_sensor *sensor,
                  case_bytes * count, results, result_bytes * count);
 }
 
-/* Rays of sight of `count` cases: column, row, x, y, ξ, η as words, integers first; to origin,
+/* Camera rays of `count` cases: column, row, x, y, ξ, η as words, integers first; to origin,
  * direction, weight in the optical frame. */
 static inline void device_sights(const mcv_sensor *sensor, size_t count, const uint32_t *cases,
                                  float *sights) {
@@ -133,7 +133,7 @@ static inline void concentric(double xi, double eta, double *radius, double *ang
         *radius = b, *angle = M_PI / 2 - M_PI / 4 * a / b;
 }
 
-/* The reference's ray of sight for such a case. */
+/* The reference's camera ray for such a case. */
 static inline ref_sensor_ray reference_sight(const mcv_sensor *sensor, const uint32_t in[6]) {
     double radius, angle;
     concentric(as_float(in[4]), as_float(in[5]), &radius, &angle);
@@ -146,7 +146,7 @@ static inline ref_sensor_ray reference_sight(const mcv_sensor *sensor, const uin
                                  disk ? turn : (double)as_float(in[5]));
 }
 
-/* Rays of sight of one of the renderers in the world; directions need not be unit. */
+/* Camera rays of one of the renderers in the world; directions need not be unit. */
 static inline void sights_by(bool reference, const mcv_sensor *sensor, size_t count,
                              const uint32_t *cases, ref_sensor_ray *sights) {
     float *device = reference ? NULL : floats(7 * count);

@@ -219,7 +219,7 @@ static void test_light_field(void **state) {
 }
 
 /*
- * What light paths need of a sensor: the place on the film that a ray of sight comes from; W =
+ * What light paths need of a sensor: the place on the film that a camera ray comes from; W =
  * weight/(A Ω) of it, A the lens's area as seen from a depth z and Ω a pixel's solid angle in
  * tangents; a pixel's footprint Ω z². The places are found to 2^-20 of the width; the others take
  * below 16 roundings. Of a light field camera the place is a pixel's middle; what lies within

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The camera model in the headers of images: points lie where the sensors' rays of sight say, and
+/* The camera model in the headers of images: points lie where the sensors' camera rays say, and
  * every file gives it back. */
 #include "scene_builder.h"
 #include "scene_files.h"

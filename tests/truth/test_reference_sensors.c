@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* ctest: label truth */
-/* Rays of sight of both renderers: the report's maps, orientation, both radiometries. */
+/* Camera rays of both renderers: the report's maps, orientation, both radiometries. */
 #include "elements.h"
 #include "reference_checks.h"
 
@@ -56,7 +56,7 @@ static mcv_sensor light_field(int aperture) {
     return sensor;
 }
 
-/* Where a ray of sight is at a depth before the lens. */
+/* Where a camera ray is at a depth before the lens. */
 static ref_vec at_depth(ref_sensor_ray sight, double depth) {
     return ref_add(sight.origin,
                    ref_scale((depth + sight.origin.z) / -sight.direction.z, sight.direction));
