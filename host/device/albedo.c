@@ -5,6 +5,7 @@
 #include <math.h>
 #include <stdbool.h>
 
+#include "core/parallel.h"
 #include "mcvisi/materials/microfacet.h"
 
 /*
@@ -124,15 +125,26 @@ static void average(uint32_t azimuths, float *block) {
     for (int k = 0; k < 2; ++k) block[k] = (float)(sums[k] / weights);
 }
 
+typedef struct reflection {
+    double alpha[2];
+    uint32_t azimuths;
+    float *block;
+} reflection;
+
+/* Work for one thread. */
+static void fill_reflection(void *user, size_t i) {
+    const reflection *f = user;
+    const uint32_t entry = (uint32_t)i;
+    double o[3], sums[2];
+    direction(entry / MCV_ALBEDO_COSINES, entry % MCV_ALBEDO_COSINES, f->azimuths, o);
+    integrate(f->alpha, o, 1, 0, false, sums);
+    f->block[2 + 2 * i] = (float)(1 - sums[0]);
+    f->block[3 + 2 * i] = (float)sums[1];
+}
+
 void mcv_albedo_reflection(double alpha_x, double alpha_y, uint32_t azimuths, float *block) {
-    const double alpha[2] = {alpha_x, alpha_y};
-    for (uint32_t i = 0; i < azimuths * MCV_ALBEDO_COSINES; ++i) {
-        double o[3], sums[2];
-        direction(i / MCV_ALBEDO_COSINES, i % MCV_ALBEDO_COSINES, azimuths, o);
-        integrate(alpha, o, 1, 0, false, sums);
-        block[2 + 2 * i] = (float)(1 - sums[0]);
-        block[3 + 2 * i] = (float)sums[1];
-    }
+    reflection filled = {{alpha_x, alpha_y}, azimuths, block};
+    mcv_in_parallel((size_t)azimuths * MCV_ALBEDO_COSINES, fill_reflection, &filled);
     average(azimuths, block);
 }
 

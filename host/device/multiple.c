@@ -5,6 +5,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/parallel.h"
 #include "device/albedo.h"
 #include "device/microsurface.h"
 #include "device/multiple_orders.h"
@@ -32,10 +33,18 @@ typedef struct heading {
     float c[FACETS];        /* cosine of incidence */
 } heading;
 
+/* Three reflections over two, at every third row and column and some angles; linear interpolation
+ * between. */
+enum { COARSE = (COSINES + 1) / 3, TURNS = 3 };
+static const uint32_t turns[TURNS] = {0, 3, AZIMUTHS - 1};
+
 typedef struct surface {
     double alpha;
     mcv_facet_metal metal;
     heading nodes[COSINES];
+    float *table, *white; /* of all entries; white holds two reflections of white microfacets */
+    double ratios[COARSE][COARSE][TURNS];
+    double shares[COSINES][COSINES], counted[COSINES][3];
 } surface;
 
 /*
@@ -142,28 +151,23 @@ static double thrice(double alpha, const heading *from, const heading *to, doubl
     return mcv_three_reflections(alphas, o, i, CHOICES, 0);
 }
 
-/* Three reflections over two, at every third row and column and some angles; linear interpolation
- * between. */
-enum { COARSE = (COSINES + 1) / 3, TURNS = 3 };
-static const uint32_t turns[TURNS] = {0, 3, AZIMUTHS - 1};
-
-static void fill_ratios(const surface *work, const float *white,
-                        double ratios[COARSE][COARSE][TURNS]) {
-    for (uint32_t row = 0; row < COARSE; ++row)
-        for (uint32_t column = 0; column <= row; ++column)
-            for (uint32_t turn = 0; turn < TURNS; ++turn) {
-                const uint32_t r = 3 * row + 1, c = 3 * column + 1;
-                const heading *a = &work->nodes[r], *b = &work->nodes[c];
-                const double half = mcv_multiple_half(turns[turn], a->cosine + b->cosine),
-                             once = once_at(work->alpha, a, b, half);
-                const double more = thrice(work->alpha, a, b, 2 * half * half - 1) / once;
-                ratios[row][column][turn] = ratios[column][row][turn] =
-                    more / fmax((double)white[(r * COSINES + c) * AZIMUTHS + turns[turn]], 1e-12);
-            }
+/* The ratios of a row and of the column of this number: work for one thread. */
+static void fill_ratios(void *user, size_t last) {
+    surface *work = user;
+    const uint32_t row = (uint32_t)last;
+    for (uint32_t column = 0; column <= row; ++column)
+        for (uint32_t turn = 0; turn < TURNS; ++turn) {
+            const uint32_t r = 3 * row + 1, c = 3 * column + 1;
+            const heading *a = &work->nodes[r], *b = &work->nodes[c];
+            const double half = mcv_multiple_half(turns[turn], a->cosine + b->cosine),
+                         once = once_at(work->alpha, a, b, half);
+            const double more = thrice(work->alpha, a, b, 2 * half * half - 1) / once;
+            work->ratios[row][column][turn] = work->ratios[column][row][turn] =
+                more / fmax((double)work->white[(r * COSINES + c) * AZIMUTHS + turns[turn]], 1e-12);
+        }
 }
 
-static double ratio_at(double ratios[COARSE][COARSE][TURNS], uint32_t row, uint32_t column,
-                       double entry) {
+static double ratio_at(const surface *work, uint32_t row, uint32_t column, double entry) {
     const double places[2] = {fmax((row - 1.0) / 3, 0), fmax((column - 1.0) / 3, 0)};
     const uint32_t low[2] = {(uint32_t)fmin(places[0], COARSE - 2),
                              (uint32_t)fmin(places[1], COARSE - 2)},
@@ -174,19 +178,16 @@ static double ratio_at(double ratios[COARSE][COARSE][TURNS], uint32_t row, uint3
         const double f = k & 1 ? places[0] - low[0] : 1 - (places[0] - low[0]),
                      g = k & 2 ? places[1] - low[1] : 1 - (places[1] - low[1]);
         sum += f * g * (k & 4 ? share : 1 - share) *
-               ratios[low[0] + (k & 1)][low[1] + (k >> 1 & 1)][turn + (k >> 2)];
+               work->ratios[low[0] + (k & 1)][low[1] + (k >> 1 & 1)][turn + (k >> 2)];
     }
     return sum;
 }
 
-/*
- * shares[b] is the light, from the direction of a row, that white microfacets send towards column b
- * by three reflections, as the device interpolates. `white` holds two reflections, one word per
- * entry. ratios == NULL: by two reflections.
- */
-static void follow(double alpha, const heading *from, const float *white,
-                   double ratios[COARSE][COARSE][TURNS], uint32_t row, double shares[COSINES]) {
-    const double o[3] = {from->sine, 0, from->cosine};
+/* shares[b] is the light, from the direction of a row, that white microfacets send towards column b
+ * by three reflections, as the device interpolates. */
+static void follow(const surface *work, uint32_t row, double shares[COSINES]) {
+    const heading *from = &work->nodes[row];
+    const double alpha = work->alpha, o[3] = {from->sine, 0, from->cosine};
     memset(shares, 0, COSINES * sizeof *shares);
     for (int f = 0; f < RADII * ANGLES; ++f) {
         const int around = f / RADII;
@@ -204,29 +205,31 @@ static void follow(double alpha, const heading *from, const float *white,
         const uint32_t column = (uint32_t)fmin(place, COSINES - 2),
                        first = (uint32_t)fmin(entry, AZIMUTHS - 2);
         for (uint32_t k = 0; k < 2; ++k) {
-            const float *at = white + (row * COSINES + column + k) * AZIMUTHS + first;
+            const float *at = work->white + (row * COSINES + column + k) * AZIMUTHS + first;
             const double value = (at[0] + (entry - first) * (double)(at[1] - at[0])) *
-                                 (ratios ? ratio_at(ratios, row, column + k, entry) : 1);
+                                 ratio_at(work, row, column + k, entry);
             shares[column + k] +=
                 kept / FACETS * value * (k ? place - column : 1 - (place - column));
         }
     }
 }
 
+/* Where the light of a row's direction goes: work for one thread. */
+static void follow_row(void *user, size_t row) {
+    surface *work = user;
+    follow(work, (uint32_t)row, work->shares[row]);
+    count_reflections(work->alpha, &work->nodes[row], work->counted[row]);
+}
+
 /*
  * Three and more reflections over three are r(o) r(i); r >= 1 is chosen so that white microfacets
  * lose no light at any angle. Returns the mean after one reflection.
  */
-static double find_rest(const surface *work, const float *white,
-                        double ratios[COARSE][COARSE][TURNS], double r[COSINES]) {
+static double find_rest(const surface *work, double r[COSINES]) {
     enum { ROUNDS = 40 };
-    double shares[COSINES][COSINES], left[COSINES], mean = 0, weights = 0;
+    double mean = 0, weights = 0;
     for (uint32_t row = 0; row < COSINES; ++row) {
-        double counted[3], sum = 0;
-        follow(work->alpha, &work->nodes[row], white, ratios, row, shares[row]);
-        count_reflections(work->alpha, &work->nodes[row], counted);
-        for (uint32_t b = 0; b < COSINES; ++b) sum += shares[row][b];
-        left[row] = counted[2];
+        const double *counted = work->counted[row];
         r[row] = 1;
         const double weight =
             work->nodes[row].cosine * (work->nodes[row < COSINES - 1 ? row + 1 : row].cosine -
@@ -237,52 +240,55 @@ static double find_rest(const surface *work, const float *white,
     for (int round = 0; round < ROUNDS; ++round)
         for (uint32_t row = 0; row < COSINES; ++row) {
             double sum = 0;
-            for (uint32_t b = 0; b < COSINES; ++b) sum += shares[row][b] * r[b];
-            r[row] = sum > 0 ? fmin(fmax(sqrt(r[row] * left[row] / sum), 1), 2) : 1;
+            for (uint32_t b = 0; b < COSINES; ++b) sum += work->shares[row][b] * r[b];
+            r[row] = sum > 0 ? fmin(fmax(sqrt(r[row] * work->counted[row][2] / sum), 1), 2) : 1;
         }
     return mean / weights;
 }
 
-/* Fills the words of all entries, without three and more reflections; `white` gets the second
- * reflection of white microfacets. */
-static void fill_twice(const surface *work, float *table, float *white) {
-    for (uint32_t row = 0; row < COSINES; ++row)
-        for (uint32_t column = 0; column <= row; ++column)
-            for (uint32_t entry = 0; entry < AZIMUTHS; ++entry) {
-                const heading *a = &work->nodes[row], *b = &work->nodes[column];
-                const double half = mcv_multiple_half(entry, a->cosine + b->cosine),
-                             c = 2 * half * half - 1, s = sqrt(fmax(1 - c * c, 0));
-                const double once = once_at(work->alpha, a, b, half);
-                double sums[WORDS + 1] = {0};
-                add_twice(work, a, b, c, s, sums);
-                add_twice(work, b, a, c, s, sums);
-                float *const at[2] = {entry_at(table, row, column, entry),
-                                      entry_at(table, column, row, entry)};
-                for (int side = 0; side < 2; ++side) {
-                    for (int k = 0; k < WORDS; ++k) at[side][k] = (float)(sums[k] / once);
-                    white[(at[side] - table) / WORDS] = (float)(sums[WORDS] / once);
-                }
+/* Fills the words of a row's entries, without three and more reflections, and of the column of this
+ * number: work for one thread. */
+static void fill_twice(void *user, size_t last) {
+    const surface *work = user;
+    const uint32_t row = (uint32_t)last;
+    for (uint32_t column = 0; column <= row; ++column)
+        for (uint32_t entry = 0; entry < AZIMUTHS; ++entry) {
+            const heading *a = &work->nodes[row], *b = &work->nodes[column];
+            const double half = mcv_multiple_half(entry, a->cosine + b->cosine),
+                         c = 2 * half * half - 1, s = sqrt(fmax(1 - c * c, 0));
+            const double once = once_at(work->alpha, a, b, half);
+            double sums[WORDS + 1] = {0};
+            add_twice(work, a, b, c, s, sums);
+            add_twice(work, b, a, c, s, sums);
+            float *const at[2] = {entry_at(work->table, row, column, entry),
+                                  entry_at(work->table, column, row, entry)};
+            for (int side = 0; side < 2; ++side) {
+                for (int k = 0; k < WORDS; ++k) at[side][k] = (float)(sums[k] / once);
+                work->white[(at[side] - work->table) / WORDS] = (float)(sums[WORDS] / once);
             }
+        }
 }
 
 bool mcv_multiple_reflection(double alpha, const double *n, const double *k, float *table) {
     surface *work = malloc(sizeof *work);
     float *white = malloc(sizeof *white * COSINES * COSINES * AZIMUTHS);
-    double r[COSINES], more[3], ratios[COARSE][COARSE][TURNS];
+    double r[COSINES], more[3];
     if (work && white) {
         work->alpha = alpha;
+        work->table = table;
+        work->white = white;
         mcv_facet_metal_fill(n, k, &work->metal);
         for (uint32_t row = 0; row < COSINES; ++row)
             fill_node(alpha, mcv_multiple_cosine(row, COSINES), &work->nodes[row]);
-        fill_twice(work, table, white);
-        fill_ratios(work, white, ratios);
-        const double left = find_rest(work, white, ratios, r);
+        mcv_in_parallel(COSINES, fill_twice, work);
+        mcv_in_parallel(COARSE, fill_ratios, work);
+        mcv_in_parallel(COSINES, follow_row, work);
+        const double left = find_rest(work, r);
         for (uint32_t c = 0; c < work->metal.channels; ++c)
             more[c] = mcv_more_reflections(mcv_conductor_mean(n[c], k[c]), left);
         for (uint32_t entry = 0; entry < COSINES * COSINES * AZIMUTHS; ++entry) {
             const uint32_t row = entry / AZIMUTHS / COSINES, column = entry / AZIMUTHS % COSINES;
-            const double rest =
-                r[row] * r[column] * ratio_at(ratios, row, column, entry % AZIMUTHS);
+            const double rest = r[row] * r[column] * ratio_at(work, row, column, entry % AZIMUTHS);
             float *at = table + (size_t)WORDS * entry;
             for (uint32_t c = 0; c < work->metal.channels; ++c)
                 at[c] = (float)((double)at[c] * (1 + rest * more[c]));

@@ -4,6 +4,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "core/parallel.h"
 #include "device/albedo.h"
 #include "device/microsurface.h"
 #include "device/multiple.h"
@@ -105,8 +106,11 @@ static void add_twice(const surface *s, const double from[3], const double to[3]
     }
 }
 
-static void fill_entry(surface *s, int entry) {
+/* Work for one thread. */
+static void fill_entry(void *user, size_t number) {
     enum { CHOICES = 8 };
+    const surface *s = user;
+    const int entry = (int)number;
     const double offset = fmod(0.5 + 0.7548776662466927 * entry, 1);
     double o[3], i[3], sums[WORDS + 1] = {0};
     pair_of(s, entry, o, i);
@@ -259,7 +263,7 @@ bool mcv_multiple_brushed(const double alpha[2], const double *n, const double *
         mcv_facet_metal_fill(n, k, &s->metal);
         for (uint32_t c = 0; c < s->metal.channels; ++c)
             more[c] = mcv_more_reflections(mcv_conductor_mean(n[c], k[c]), left);
-        for (int entry = 0; entry < ENTRIES; ++entry) fill_entry(s, entry);
+        mcv_in_parallel(ENTRIES, fill_entry, s);
         smooth(s->ratio);
         for (int entry = 0; entry < ENTRIES; ++entry) {
             const double rest = s->ratio[entry] / (1 - left); /* three and more over two */
