@@ -6,8 +6,9 @@
 
 Inputs that reach new code are kept in BUILD/corpus/NAME for the next run. An input that crashes a
 target, takes more than 10 s or more than 1 GB is left in BUILD/found; the exit code is then 1.
-Seeds are the shipped scenes and experiments, the files of Khronos' validator in tests/strict, pictures
-of docs/, the files in ../shared/data where they are, and small files of ours (seeds.py).
+Seeds are the shipped scenes and experiments, the files of Khronos' validator in tests/strict, those of
+openexr-images in tests/io, pictures of docs/, the files in ../shared/data where they are, and small
+files of ours (seeds.py).
 """
 
 import os
@@ -38,7 +39,7 @@ def seeds(name):
     if name == "scene":
         return files("scenes/*.gl*", "tests/strict/khronos/**/*.gl*")
     if name == "exr":
-        return files(*(s + "exr-*/*" for s in shared))
+        return files("tests/io/openexr-images/*/*")
     if name == "values":
         return [b"\0" + picture for picture in files("docs/**/*.png")]
     if name == "text":
