@@ -90,7 +90,8 @@ mcv_result mcv_json_numbers(const json_t *object, const char *key, size_t n, dou
     if (!value) return MCV_OK;
     const mcv_json_path here = mcv_json_path_key(place, key);
     if (!json_is_array(value) || json_array_size(value) != n)
-        return mcv_fail_at(&here, error, "must be an array of %zu numbers", n);
+        return mcv_fail_at(&here, error,
+                           "must be an array of %zu numbers in brackets, as in [1, 0, …]", n);
     for (size_t i = 0; i < n; ++i) {
         const mcv_json_path element = mcv_place_index(&here, i);
         MCV_TRY(read_number(json_array_get(value, i), min, max, out + i, &element, error));

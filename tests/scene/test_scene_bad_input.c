@@ -129,7 +129,7 @@ static void test_single_faults(void **state) {
         {"{\"mesh\":0}", "{\"rotation\":[1,1,1,1]}",
          "nodes/0: rotation must be a quaternion of length 1, not 2"},
         {"{\"mesh\":0}", "{\"translation\":[1,1]}",
-         "nodes/0/translation: must be an array of 3 numbers"},
+         "nodes/0/translation: must be an array of 3 numbers in brackets, as in [1, 0, …]"},
         {"{\"mesh\":0}", "{\"scale\":[1,1,\"1\"]}",
          "nodes/0/scale/2: must be a number, not a string"},
         {"{\"mesh\":0}", "{\"matrix\":[1,0,0,0,0,1,0,0,0,0,1,0,0,0,0,1],\"scale\":[1,1,1]}",
