@@ -3,6 +3,7 @@
 
 #include "core/basics.h"
 
+#include "check/findings.h"
 #include "check/setup_page.h"
 #include "experiment/judge.h"
 #include "experiment/run_set.h"
@@ -171,6 +172,31 @@ static mcv_result put_pairs(FILE *out, const shown *s, mcv_error *error) {
     return MCV_OK;
 }
 
+/* What `check` says of the defects of the smallest size: rays may be no model of it. */
+static mcv_result put_doubts(FILE *out, const shown *s, mcv_error *error) {
+    const mcv_sweep_calls *calls = &s->sweep->experiment->calls;
+    const mcv_table *table = &s->sweep->table;
+    mcv_findings findings;
+    mcv_set_texts texts;
+    mcv_scene *scene = NULL;
+    MCV_TRY(
+        mcv_load_set(s->sweep, table->rows + s->rows[0] * table->columns, texts, &scene, error));
+    const mcv_result result = mcv_warnings_of(scene, &findings, error);
+    fputs("<ul>\n", out);
+    for (size_t i = 0; result == MCV_OK && i < findings.count; ++i) {
+        const char *sentence = findings.items[i].sentence;
+        if (strncmp(findings.items[i].path, "defects/", 8) != 0) continue;
+        fputs("<li class=\"warning\"><b>the smallest size</b>", out);
+        mcv_html_text(out, sentence);
+        fputs("\n", out);
+        if (calls->warning) calls->warning(calls->user, sentence);
+    }
+    fputs("</ul>\n", out);
+    if (result == MCV_OK) mcv_findings_free(&findings);
+    mcv_scene_free(scene);
+    return result;
+}
+
 /* The rig from the side, as in the set of the middle size. */
 static mcv_result put_setup(FILE *out, const shown *s, mcv_error *error) {
     const mcv_table *table = &s->sweep->table;
@@ -194,6 +220,7 @@ static mcv_result put_all(FILE *out, shown *s, mcv_error *error) {
     const bool has_defects = json_object_del(extensions, "MCVISI_defects") == 0;
     if (s->count == 0) return MCV_OK;
     if (has_defects) MCV_TRY(put_pairs(out, s, error));
+    if (has_defects) MCV_TRY(put_doubts(out, s, error));
     return put_setup(out, s, error);
 }
 

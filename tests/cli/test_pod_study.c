@@ -99,6 +99,22 @@ static void test_pictures(void **state) {
     assert_true(allowed && allowed < end);
 }
 
+/* Rays are no model of what is smaller than two wavelengths: the page says so, and the program. */
+static void test_sizes_below_the_model(void **state) {
+    (void)state;
+    write_file("d.gltf", dented);
+    write_file(
+        "tiny.json",
+        "{\"rig\": \"d.gltf\", \"vary\": \"defects/nick/size=0.2um..1mm:10\", "
+        "\"metric\": \"dark:=1-mean\", \"spp\": 8, \"pod\": {\"size\": \"size\", \"signal\": "
+        "\"dark\", \"threshold\": \"0.502\"}}");
+    program_well("pod tiny.json");
+    assert_non_null(strstr(said, "smaller than two wavelengths"));
+    const char *page = read_whole("tiny-pod.html"), *doubt = strstr(page, "the smallest size");
+    assert_non_null(doubt);
+    assert_non_null(strstr(doubt, "smaller than two wavelengths"));
+}
+
 /* Parameters of a program are none of the scene without the defect. */
 static void test_pictures_where_a_program_judges(void **state) {
     (void)state;
@@ -196,6 +212,7 @@ static void test_wrong_files(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         FRESH(test_pictures, scene),
+        FRESH(test_sizes_below_the_model, scene),
         FRESH(test_pictures_where_a_program_judges, scene),
         FRESH(test_study, scene),
         FRESH(test_common_noise, scene),
