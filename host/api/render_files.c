@@ -183,6 +183,16 @@ static mcv_result tell_interrupted(const mcv_saves *saves, const char *finished,
                     saves->exists ? saves->path : "");
 }
 
+/* Files that could not be written: what is lost of an hour's work, and how to go on. */
+static void tell_checkpoint_stays(const mcv_saves *saves, mcv_result result, mcv_error *error) {
+    const mcv_error why = *error;
+    if (!saves->exists) return;
+    (void)mcv_fail(error, result,
+                   "%s; the checkpoint stays, %s: when the files can be written, continue by "
+                   "--resume",
+                   why.text, saves->path);
+}
+
 /* *done: nothing is left to go on with. */
 static mcv_result render_planned(files_call *c, mcv_scene *scene, mcv_render_options *options,
                                  uint32_t sensor, const mcv_render_files *planned, bool *done,
@@ -203,6 +213,7 @@ static mcv_result render_planned(files_call *c, mcv_scene *scene, mcv_render_opt
     if (result == MCV_OK) {
         mcv_rendering_tell(r, 1, mcv_film_relative_error(&film), true);
         result = write_files(c, &files, early.seconds, error);
+        if (result != MCV_OK) tell_checkpoint_stays(r->saves, result, error);
     }
     if (result != MCV_OK) mcv_early_withdraw(&early);
     mcv_early_free(&early);

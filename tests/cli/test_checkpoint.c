@@ -207,6 +207,26 @@ static void test_a_save_may_be_asked_for_early(void **state) {
     if (!saved) fail_msg("SIGUSR1 while kernels were built was lost");
 }
 
+/* The folder of the image is gone, or its disk is full, when the work is done. */
+static void test_an_image_that_cannot_be_written(void **state) {
+    (void)state;
+    static const char render[] = "render " SCENES "beam.gltf --resolution 32x32 --device reference "
+                                 "--spp 1024 -o gone/a.exr --checkpoint kept.film --resume";
+    assert_int_equal(mkdir("gone", 0700), 0);
+    const pid_t child = child_start(render, 0);
+    child_wait_for_handler(child, SIGTERM);
+    kill(child, SIGUSR1);
+    wait_for_save(child, "kept.film", (struct timespec){0});
+    assert_int_equal(rename("gone", "away"), 0);
+    const int code = child_end(child);
+    if (code != 3 || !strstr(said, "the checkpoint stays, kept.film: "))
+        fail_msg("exit code %d: %s", code, said);
+    assert_int_equal(rename("away", "gone"), 0);
+    program_well(render);
+    assert_int_not_equal(access("kept.film", F_OK), 0);
+    assert_null(strstr(said, "there is no checkpoint"));
+}
+
 /* --- images that are finished --- */
 
 #define TWO \
@@ -293,6 +313,7 @@ int main(void) {
         cmocka_unit_test(test_what_does_not_match_is_named),
         cmocka_unit_test(test_damaged_checkpoints_are_refused),
         cmocka_unit_test(test_an_interrupted_image_is_known),
+        cmocka_unit_test(test_an_image_that_cannot_be_written),
         cmocka_unit_test(test_a_save_may_be_asked_for_early),
         cmocka_unit_test(test_finished_images_stay),
         cmocka_unit_test(test_finished_parts_stay),
