@@ -190,12 +190,12 @@ MCV_LOOP_FUNCTION mcv_scattering mcv_split_by_gloss(mcv_world world,
 }
 
 static mcv_scattering mcv_scatter_gloss(mcv_world world, mcv_interaction interaction, uint material,
-                                        uint media, mcv_pair pair, float choice, int parts,
+                                        uint media, mcv_pair pair, float choice, int may_split,
                                         mcv_scattering *other) {
     mcv_gloss_interaction room;
     const mcv_device_gloss from = world.gloss[material];
     const mcv_gloss_interaction *m = mcv_known_gloss(world, &interaction, material, media, &room);
-    if (MCV_WITH_ROUGH_GLASS && parts && m->gloss.type == MCV_MATERIAL_DIELECTRIC)
+    if (MCV_WITH_ROUGH_GLASS && may_split && m->gloss.type == MCV_MATERIAL_DIELECTRIC)
         return mcv_split_by_gloss(world, &interaction, &from, m, pair, choice, other);
     return mcv_turn_by_gloss(world, &interaction, &from, m,
                              mcv_choose_gloss_of(&from, m, pair, choice));

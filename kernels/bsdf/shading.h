@@ -95,8 +95,8 @@ mcv_make_plain_gloss_interaction(mcv_world world, mcv_slot slot, const mcv_inter
 MCV_LOOP_FUNCTION mcv_scattering mcv_scatter_as(mcv_world world, mcv_slot slot,
                                                 const mcv_interaction *interaction,
                                                 mcv_shading shading, mcv_pair pair, float choice,
-                                                int parts, uint *unmatched, mcv_scattering *other,
-                                                int *unshaded) {
+                                                int may_split, uint *unmatched,
+                                                mcv_scattering *other, int *unshaded) {
     const uint media = mcv_path_media(slot);
     (void)unshaded, (void)shading;
 #if MCV_WITH_PLAIN && MCV_WITH_DIFFUSE
@@ -129,7 +129,7 @@ MCV_LOOP_FUNCTION mcv_scattering mcv_scatter_as(mcv_world world, mcv_slot slot,
         return on;
     }
 #endif
-    return mcv_scatter(world, *interaction, media, pair, choice, parts, unmatched, other);
+    return mcv_scatter(world, *interaction, media, pair, choice, may_split, unmatched, other);
 }
 
 #endif
