@@ -95,7 +95,9 @@ mcv_result mcv_rays_read(const char *path, mcv_trace_ray **rays, size_t *count, 
     *count = 0;
     FILE *file;
     uint64_t size;
-    MCV_TRY(mcv_file_open(path, &file, &size, error));
+    mcv_error why;
+    if (mcv_file_open(path, &file, &size, &why) != MCV_OK)
+        return mcv_fail(error, MCV_BAD_INPUT, "%s: give a table of rays x,y,z,dx,dy,dz", why.text);
     const mcv_result result = read_rays(file, path, rays, count, error);
     fclose(file);
     if (result != MCV_OK) {
