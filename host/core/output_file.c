@@ -203,12 +203,15 @@ static mcv_result open_regular(const char *path, int *descriptor, uint64_t *size
     *descriptor = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
     if (*descriptor < 0)
         return mcv_fail(error, MCV_BAD_INPUT, "%s: cannot be read: %s", path, strerror(errno));
-    if (fstat(*descriptor, &status) == 0 && S_ISREG(status.st_mode)) {
+    const bool known = fstat(*descriptor, &status) == 0;
+    if (known && S_ISREG(status.st_mode)) {
         *size = (uint64_t)status.st_size;
         return MCV_OK;
     }
     close(*descriptor);
-    return mcv_fail(error, MCV_BAD_INPUT, "%s: is not a regular file", path);
+    return mcv_fail(error, MCV_BAD_INPUT, "%s: is %s", path,
+                    known && S_ISDIR(status.st_mode) ? "a directory, but must be a regular file"
+                                                     : "not a regular file");
 }
 
 mcv_result mcv_file_open(const char *path, FILE **file, uint64_t *size, mcv_error *error) {
@@ -223,7 +226,7 @@ mcv_result mcv_file_open(const char *path, FILE **file, uint64_t *size, mcv_erro
 
 mcv_result mcv_file_load(const char *path, uint8_t **bytes, size_t *size, mcv_error *error) {
     int descriptor;
-    uint64_t whole;
+    uint64_t whole = 0;
     mcv_result result = MCV_OK;
     *bytes = NULL;
     MCV_TRY(open_regular(path, &descriptor, &whole, error));
