@@ -199,14 +199,14 @@ def line_scan():
     for y in (half, -half):
         s.line([(-b, 0), (0, y), (w, 0)], SIGHT, 0.9, "4 3")
     s.ray([(-b, 0), (0, 0), (w, 0)], SIGHT, 1.6)
-    s.line([(w, -110), (w, 84)], INK, 2.4)
+    s.line([(w, -98), (w, 84)], INK, 2.4)
     s.ray([(w + 26, 40), (w + 26, -40)], HUES[0], 1.8)
     s.text((w + 34, -2), "v", "start", HUES[0])
     s.text((w, 98), "part")
     s.text((-b, 66), "the row that is read")
     s.line([(-b, 60), (-b, 8)], DIM, 0.7)
-    s.dimension((-b, -48), (0, -48), "`imageDistance` b", -66)
-    s.dimension((0, -half), (w, -half), "`focusDistance` w", -70)
+    s.dimension((-b, -48), (0, -48), "`imageDistance` b", -58)
+    s.dimension((0, -half), (w, -half), "`focusDistance` w", -60)
     s.text((372, 12), "z", "end", FAINT)
     return s
 

@@ -22,6 +22,8 @@ OWN = ("style.css", "iframe-worker.js")
 SHOWN = (".md", ".png", ".jpg", ".svg", ".html", ".pdf")
 # [text](target) and ![text](target) outside of code; the target without its #anchor.
 LINK = re.compile(r"(?P<head>!?\[[^\]]*\]\()(?P<target>[^)#\s:]+)(?P<tail>(?:#[^)\s]*)?\))")
+# `a\|b` in a row of a table: GitHub wants the backslash, and MkDocs would print it.
+CODE_IN_ROW = re.compile(r"(?<=[ |(])`[^`\n]*\\\|[^`\n]*`(?=[ ,;.)|])")
 
 
 def site_path(path):
@@ -140,4 +142,4 @@ def on_page_markdown(markdown, page, config, files):
             return link[0]  # MkDocs tells what is broken
         return link["head"] + posixpath.relpath(site_path(target), here or ".") + link["tail"]
 
-    return LINK.sub(moved, markdown)
+    return CODE_IN_ROW.sub(lambda code: code[0].replace(r"\|", "|"), LINK.sub(moved, markdown))
