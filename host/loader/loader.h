@@ -58,7 +58,7 @@ typedef struct mcv_loader {
                       ignored */
     bool moves;    /* parts of the node that is being placed do */
     double unit;   /* of an asset's lengths [m] */
-    uint32_t solid; /* the scene's mesh of an asset that is an STL file; MCV_NONE for glTF */
+    uint32_t solid;      /* the scene's mesh of an asset that is an STL file; MCV_NONE for glTF */
     double crease_angle; /* of an asset's vertex normals [rad], or NaN: normals are the file's */
     uint32_t asset_material; /* the scene's index of the material that replaces all of an asset's,
                                 or MCV_NONE */
