@@ -4,6 +4,7 @@
 #include "check/setup_page.h"
 #include "experiment/page_parts.h"
 #include "experiment/run_set.h"
+#include "experiment/set_picture.h"
 #include "io/embedded.h"
 #include "io/html.h"
 
@@ -152,7 +153,10 @@ static bool put_page(FILE *out, void *user) {
         written = put_results(out, page);
         if (scene) fprintf(out, "<h2>The rig, as in set %zu</h2>\n", page->plots.sets[shown]);
         written = (!scene || mcv_setup_put_view(out, scene, sensor, false, NULL, NULL)) && written;
-        if (!s->experiment->put_results) mcv_page_put_sets(out, page);
+        if (!s->experiment->put_results)
+            mcv_page_put_sets(out, page);
+        else if (scene)
+            mcv_put_set_pictures(out, s, shown);
         mcv_page_put_assumed(out, page, scene);
         fputs("<footer><p>Scene ", out);
         mcv_html_text(out, s->experiment->rig);

@@ -52,12 +52,16 @@ void mcv_page_put_assumed(FILE *out, const mcv_page *page, const mcv_scene *scen
           : grey                               ? "the camera's noise and the render's"
                                                : "the render's noise",
           out);
-    fputs(". It holds no difference between the rig here and the one that is built.\n"
-          "<li>",
+    fputs(json_object_get(s->experiment->settings, "tolerance")
+              ? ". Beside it only the tolerances that are listed below vary.\n<li>"
+              : ". It holds no difference between the rig here and the one that is built.\n<li>",
           out);
     fputs(s->plan.seeds ? "Sets have random numbers of their own where the method needs it."
                         : "All sets use the same random numbers. Their differences are less noisy "
                           "than each value.",
+          out);
+    fputs("\n<li>Light goes along rays. What the scene does not state, such as dirt, wear or the "
+          "aberrations of a lens, is in no figure.",
           out);
     fputs("\n<li>Numbers have the units in which they were given. A parameter without a unit is in "
           "SI units.\n",

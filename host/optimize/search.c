@@ -126,8 +126,20 @@ static size_t polish_budget(const mcv_search *search) {
                            : least;
 }
 
-static mcv_result look(mcv_searching *s, mcv_error *error) {
-    const size_t kept = confirm_budget(s) + polish_budget(s->search);
+/* What is kept for the last stages, from the screening on: noise that shows up later has no room.
+ * Small budgets have none for the polish. */
+typedef struct last_stages {
+    size_t polish, confirm;
+} last_stages;
+
+static last_stages plan_last_stages(const mcv_searching *s) {
+    last_stages last = {polish_budget(s->search), confirm_budget(s)};
+    if (s->result->count + last.polish + last.confirm > s->search->budget) last.polish = 0;
+    return last;
+}
+
+static mcv_result look(mcv_searching *s, const last_stages *last, mcv_error *error) {
+    const size_t kept = last->polish + last->confirm;
     bool ended = false;
     s->result->ended = "the budget was spent";
     while (!ended && s->result->count + kept < s->search->budget) MCV_TRY(step(s, &ended, error));
@@ -137,10 +149,11 @@ static mcv_result look(mcv_searching *s, mcv_error *error) {
 static mcv_result run(mcv_searching *s, mcv_error *error) {
     const mcv_search *search = s->search;
     MCV_TRY(screen(s, error));
-    MCV_TRY(look(s, error));
-    if (search->objectives > 1) return mcv_search_confirm_front(s, confirm_budget(s), error);
-    MCV_TRY(mcv_search_polish(s, polish_budget(search), error));
-    return mcv_search_confirm(s, confirm_budget(s), error);
+    const last_stages last = plan_last_stages(s);
+    MCV_TRY(look(s, &last, error));
+    if (search->objectives > 1) return mcv_search_confirm_front(s, last.confirm, error);
+    MCV_TRY(mcv_search_polish(s, last.polish, error));
+    return mcv_search_confirm(s, last.confirm, error);
 }
 
 static void begin_surrogate(const mcv_search *search, mcv_surrogate *s) {

@@ -7,6 +7,7 @@
 #include "check/setup_page.h"
 #include "experiment/judge.h"
 #include "experiment/run_set.h"
+#include "experiment/set_picture.h"
 #include "experiment/units.h"
 #include "io/html.h"
 #include "io/thumbnail.h"
@@ -90,23 +91,6 @@ static mcv_result load_flawless(const shown *s, const mcv_set_texts texts, mcv_s
     return result;
 }
 
-/* With the random numbers of the experiment: the difference of two has little noise. */
-static mcv_result render(const shown *s, mcv_scene *scene, mcv_image *image, mcv_error *error) {
-    const mcv_experiment *e = s->sweep->experiment;
-    mcv_render_options options = e->render;
-    mcv_render_stats stats = {.stage_count = 0};
-    mcv_film film = {0};
-    uint32_t sensor;
-    mcv_result result = mcv_set_sensor(e, scene, &sensor, error);
-    if (result == MCV_OK)
-        result = e->render_with ? e->render_with(scene, sensor, &options, &film, &stats, error)
-                                : mcv_renderer_render(s->sweep->renderer, scene, sensor, &options,
-                                                      &film, &stats, error);
-    if (result == MCV_OK) result = mcv_film_develop(&film, image, NULL, error);
-    mcv_film_free(&film);
-    return result;
-}
-
 static mcv_result make_pair(const shown *s, size_t row, mcv_image images[2], mcv_error *error) {
     const mcv_table *table = &s->sweep->table;
     mcv_set_texts texts;
@@ -115,7 +99,7 @@ static mcv_result make_pair(const shown *s, size_t row, mcv_image images[2], mcv
         MCV_TRY(without ? load_flawless(s, (const char(*)[512])texts, &scene, error)
                         : mcv_load_set(s->sweep, table->rows + row * table->columns, texts, &scene,
                                        error));
-        const mcv_result result = render(s, scene, images + without, error);
+        const mcv_result result = mcv_set_picture(s->sweep, scene, images + without, error);
         mcv_scene_free(scene);
         MCV_TRY(result);
     }

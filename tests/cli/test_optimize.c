@@ -62,6 +62,8 @@ static void test_the_lamp(void **state) {
     const char *page = read_whole("s-optimize.html");
     assert_non_null(strstr(page, "Optimisation of s.gltf"));
     assert_non_null(strstr(page, "The best set-up is x "));
+    const char *seen = strstr(page, "What the camera sees");
+    assert_true(seen && strstr(seen, "data:image/png;base64,"));
 }
 
 /* What is rendered is not rendered again, and the end is the same. */

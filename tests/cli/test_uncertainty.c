@@ -40,6 +40,8 @@ static void test_the_radiance(void **state) {
     const char *page = read_whole("s-uncertainty.html");
     assert_non_null(strstr(page, "Uncertainty of s.gltf"));
     assert_non_null(strstr(page, "The largest contribution is that of radiance"));
+    assert_non_null(strstr(page, "data:image/png;base64,"));
+    assert_non_null(strstr(page, "only the tolerances that are listed below vary"));
 }
 
 /* What is tied to a tolerance follows it: 300 · 0.1 mm. From a file, first order only. */

@@ -78,7 +78,8 @@ static mcv_search search_of(noisy *n, const mcv_levels *levels, size_t dimension
 static void search_well(const mcv_search *search, mcv_search_result *result) {
     mcv_error error = {""};
     if (mcv_search_run(search, result, &error) != MCV_OK) fail_msg("%s", error.text);
-    assert_true(result->count <= search->budget);
+    if (result->count > search->budget)
+        fail_msg("%zu evaluations of at most %zu", result->count, search->budget);
 }
 
 /* --- the process --- */
@@ -572,6 +573,31 @@ static void says_where_requirements_cannot_be_met(void **state) {
     mcv_search_free(&result);
 }
 
+static double bowl(const double *x) { return (x[0] - 0.3) * (x[0] - 0.3); }
+
+/* Free of noise below the middle: it shows up after the screening, or not at all. */
+static mcv_result evaluate_partly_noisy(void *user, mcv_evaluation *e, mcv_error *error) {
+    MCV_TRY(evaluate(user, e, error));
+    if (e->values[0] < 0.5) e->results[0] = bowl(e->values), e->errors[0] = 0;
+    return MCV_OK;
+}
+
+/* Whatever the budget is, from the smallest one that the program takes, it holds all stages. */
+static void keeps_to_small_budgets(void **state) {
+    (void)state;
+    for (size_t budget = 20; budget <= 26; ++budget)
+        for (size_t dimensions = 1; dimensions <= 6; dimensions += 2)
+            for (int partly = 0; partly < 2; ++partly) {
+                noisy n = {.of = bowl, .noise = 0.05, .run = (uint32_t)budget};
+                mcv_search search = search_of(&n, cube, dimensions, budget);
+                mcv_search_result result;
+                if (partly) search.evaluate = evaluate_partly_noisy;
+                search_well(&search, &result);
+                assert_true(result.winner.count >= 2);
+                mcv_search_free(&result);
+            }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_the_process),
                                        cmocka_unit_test(test_draws),
@@ -588,6 +614,7 @@ int main(void) {
                                        cmocka_unit_test(test_interrupted),
                                        cmocka_unit_test(test_front),
                                        cmocka_unit_test(meets_requirements),
+                                       cmocka_unit_test(keeps_to_small_budgets),
                                        cmocka_unit_test(says_where_requirements_cannot_be_met)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

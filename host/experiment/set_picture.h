@@ -1,0 +1,17 @@
+/* SPDX-License-Identifier: Apache-2.0 */
+/* Pictures of sets for pages: rendered for them alone, not measured. */
+#ifndef MCVISI_HOST_EXPERIMENT_SET_PICTURE_H
+#define MCVISI_HOST_EXPERIMENT_SET_PICTURE_H
+
+#include "experiment/experiment.h"
+
+/* Renders a scene as the experiment's sets are, with the random numbers of its first one, so that
+ * the difference of two pictures has little noise. The image is to be freed. */
+mcv_result mcv_set_picture(const mcv_sweep *sweep, mcv_scene *scene, mcv_image *image,
+                           mcv_error *error);
+
+/* Writes the pictures of the set whose rig the page shows and, of an optimisation, of the first one
+ * before it. Nothing after an interruption, and for a set that cannot be rendered. */
+void mcv_put_set_pictures(FILE *out, const mcv_sweep *sweep, size_t shown);
+
+#endif
