@@ -75,7 +75,7 @@ static mcv_result put_pictures(FILE *out, const mcv_detect_view *view, mcv_error
     const mcv_result result = mcv_image_new(&shown, sigmas->width, sigmas->height, 1, error);
     if (result == MCV_OK) {
         for (size_t i = 0; i < (size_t)shown.width * shown.height; ++i)
-            shown.pixels[i] = (double)sigmas->pixels[i] >= view->command->visible;
+            shown.pixels[i] = (double)sigmas->pixels[i] >= view->command->visible ? 1.0F : 0;
         fprintf(out,
                 "<h2>What the camera sees</h2>\n<p>Light without the camera's noise. Each picture "
                 "has a white of its own; the difference is stretched. White in the last ones: "
