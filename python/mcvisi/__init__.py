@@ -24,6 +24,7 @@ from mcvisi._verbs import (
 )
 from mcvisi._version import __version__
 from mcvisi import examples
+from mcvisi.depths import Depth, depth
 from mcvisi.detection import Detection
 from mcvisi.errors import BadInput, DeviceError, Error, PathError, UsageError
 from mcvisi.findings import Finding, Findings
@@ -42,6 +43,7 @@ from mcvisi.uncertainty import Uncertainty
 __all__ = [
     "BadInput",
     "Comparison",
+    "Depth",
     "Detection",
     "DeviceError",
     "Error",
@@ -64,6 +66,7 @@ __all__ = [
     "Value",
     "__version__",
     "compare",
+    "depth",
     "devices",
     "examples",
     "import_lens",
