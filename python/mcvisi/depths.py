@@ -139,8 +139,9 @@ def depth(
 
     The texture is not known. For each depth from near to far the blur of each image follows from
     its header, by geometrical optics; the depth is the one at which one texture explains all images
-    best (maximum likelihood, in frequencies of the region that stand above the noise). The uncertainty is that of the noise
-    that the images state, for small errors. misfit is 1 where images differ by noise alone.
+    best (maximum likelihood, in frequencies of the region that stand above the noise). The
+    uncertainty is that of the noise that the images state, for small errors. misfit is 1 where
+    images differ by noise alone.
 
     region: X, Y, W, H in pixels, wider than the blur. BadInput for images without an error, or of a
     camera without a lens; UsageError for what does not fit together.
