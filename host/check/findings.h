@@ -60,6 +60,7 @@ typedef struct mcv_findings {
  * - outline: meshes whose chords, at an outline in the image, deviate from the curve by more than a
  *   tenth of a pixel
  * - small_defect: defects below two wavelengths, or below a hundredth of a pixel
+ * - wavelength: beams of a flying spot scanner at another wavelength than the materials' indices
  * - growth: silhouettes before a backlight, with the growth of their edges (check/growth.h)
  * - extras: extras of the scene's files, which are ignored
  *
@@ -80,6 +81,7 @@ typedef struct mcv_findings {
     X(thin_body) \
     X(outline) \
     X(small_defect) \
+    X(wavelength) \
     X(growth) \
     X(extras)
 

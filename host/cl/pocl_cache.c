@@ -110,7 +110,7 @@ static bool make_folder(char *path) {
 
 /* Writes a file as large as a compiled kernel, and removes it; errno tells why not. */
 static bool takes_files(char *folder) {
-    static const char zeros[LARGEST_FILE];
+    static char zeros[LARGEST_FILE]; /* const ones would be a megabyte of the program */
     char path[MCV_KERNEL_FOLDER + 16];
     if (!make_folder(folder)) return false;
     snprintf(path, sizeof path, "%s/.mcvisi-XXXXXX", folder);
