@@ -102,9 +102,9 @@ MCV_ASSERT_SIZE(mcv_device_instance, 24);
 
 /*
  * Shading classes of surfaces that do not emit: diffuse ones that nothing passes, microfacets,
- * smooth bodies, absorbers. Scenes with few emitters have one more class: MCV_SHADING_BLACK plus 1
- * plus the emitter's index is the surface of an emitter whose radiance depends on the angle alone.
- * All other surfaces are one class.
+ * smooth bodies, absorbers. Scenes with few emitters have one more class per emitter:
+ * MCV_SHADING_BLACK plus 1 plus the emitter's index is the surface of an emitter whose radiance
+ * depends on the angle alone. All other surfaces are one class.
  */
 enum {
     MCV_SHADING_ANY,
@@ -125,8 +125,8 @@ typedef struct mcv_device_material {
     float
         passed[3]; /* beam splitter, diffuse: transmittance; retroreflector: diffuse reflectance */
     float chance;  /* beam splitter, diffuse: probability of reflection */
-    uint connectable; /* 1: scatters so widely that light paths connect it to the lens; 0: the lens
-                         would rarely lie in its highlights */
+    uint connectable;   /* 1: scatters so widely that light paths connect it to the lens even where
+                           camera paths find the same light */
     uint near_specular; /* 1: scatters so little that light paths continue as at a smooth surface */
     union {
 #define MCV_X(name, key, NAME) mcv_##name name;

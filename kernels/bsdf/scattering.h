@@ -46,7 +46,7 @@ MCV_LOOP_FUNCTION mcv_scattering mcv_scatter_by(mcv_vec3 direction, mcv_response
     return scattering;
 }
 
-/* a or b, word by word as in mcv_choose. */
+/* a or b, word by word as in mcv_choose: all but the remainder, which no smooth surface has. */
 MCV_LOOP_FUNCTION mcv_scattering mcv_choose_scattering(int condition, mcv_scattering a,
                                                        mcv_scattering b) {
     mcv_scattering chosen;

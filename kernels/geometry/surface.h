@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What lies at a hit: point with its error, normals, material, and what it emits. */
+/* What lies at a hit: point with its error, normals, instance. */
 #ifndef MCVISI_KERNELS_SURFACE_H
 #define MCVISI_KERNELS_SURFACE_H
 
@@ -19,7 +19,8 @@ typedef struct mcv_surface {
     mcv_vec3 normal;       /* interpolated, unit, on the front side */
     float area;            /* of the triangle [m²] */
     uint triangle, instance;
-    float u, v;
+    float u, v; /* place on the triangle; of an exact surface u is 1 + the number of the solid in
+                   contact, or 0 */
     mcv_corners corners;
 } mcv_surface;
 

@@ -52,7 +52,7 @@
     X(radiance, MCV_CHANNELS) /* found so far, L/n² */ \
     X(branch, MCV_WITH_SPLIT) /* 0 … MCV_BRANCHES - 1: how often the path has split; a branch k: \
                                  MCV_BRANCHES + k, splits no more */ \
-    X(value, MCV_TILE)        /* of the path in its slice */ \
+    X(sample_place, MCV_TILE) /* which sample of its slice the path belongs to */ \
     X(cell, MCV_WITH_RECORDS) /* of the film (mcv_film_cell) */ \
     X(density, MCV_WITH_NEXT_EVENT) /* with which the last surface chose the direction [1/sr]; 0: \
                                        it is smooth */ \
@@ -170,7 +170,7 @@ typedef struct mcv_slot {
 #if !MCV_TILE
     uint capacity;
 #elif MCV_WITH_GLOSS
-    struct mcv_gloss_interaction *glosses; /* of each slot (bsdf/bsdf.h) */
+    struct mcv_gloss_interaction *glosses; /* of each slot (bsdf/gloss.h) */
 #endif
     uint index;
 } mcv_slot;

@@ -33,7 +33,7 @@ MCV_BATCH uint mcv_begin_paths(mcv_world world, uint *paths, uint first, uint co
         id.stream = MCV_WORD(slot, stream, 0);
         id.sample = MCV_WORD(slot, sample, 0);
         mcv_generate_ray(world, slot, id);
-        MCV_WORD(slot, value, 0) = slot.index;
+        MCV_WORD(slot, sample_place, 0) = slot.index;
         begins[slot.index] = MCV_LOAD(slot, weight, 0) > 0.0f;
     }
     const uint alive = mcv_compact_indices(begins, count, begun);

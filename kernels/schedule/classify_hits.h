@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Stage of the tile schedule: the shading class of each hit (schedule/ranges.h). */
+/* Step of the tile schedule: the shading class of each hit (schedule/ranges.h). */
 #ifndef MCVISI_KERNELS_CLASSIFY_HITS_H
 #define MCVISI_KERNELS_CLASSIFY_HITS_H
 

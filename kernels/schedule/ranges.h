@@ -48,7 +48,7 @@ enum {
 enum {
     MCV_LAST_SMOOTH_TRIANGLE = MCV_CLASS_SMOOTH_TRIANGLE, /* smooth triangles, */
     MCV_LAST_SMOOTH = MCV_CLASS_SMOOTH_EXACT, /* and all smooth bodies: they sample no emitter and
-                                                 draw no direction, all others do */
+                                                 draw no direction, the others may */
     MCV_LAST_DIFFUSE_EXACT = MCV_CLASS_DIFFUSE_EXACT, /* diffuse exact surfaces; then all glossy */
     MCV_LAST_KNOWN_EXACT = MCV_CLASS_GLOSS_EXACT,     /* exact surfaces but those of EXACT */
     MCV_LAST_GLOSS = MCV_CLASS_GLOSS_TRIANGLE,        /* glossy surfaces; none after these splits */
@@ -62,7 +62,8 @@ MCV_LOOP_FUNCTION uint mcv_class_begin(const uint *class_end, uint class) {
     return class > 0u ? class_end[class - 1u] : 0u;
 }
 
-/* Which BSDFs the program has loops for; in a scene without, their paths are of the class ANY. */
+/* Which BSDFs the program has loops for. In a scene without, their paths are of the classes
+ * TRIANGLE and EXACT. */
 #define MCV_KNOWS_SMOOTH MCV_WITH_SMOOTH
 #define MCV_KNOWS_DIFFUSE (MCV_WITH_PLAIN && MCV_WITH_DIFFUSE)
 #define MCV_KNOWS_GLOSS (MCV_WITH_PLAIN && MCV_WITH_GLOSS)

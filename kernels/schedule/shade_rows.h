@@ -11,8 +11,8 @@
 #include "schedule/surface_rows.h"
 #include "stage/shade_hit.h"
 
-/* How a camera path continues from a surface of a known kind: its fate, and where it splits
- * branch_state. */
+/* How a camera path continues from a surface of a known kind. Returns its fate. Where the path
+ * splits, branch_state holds the branch. */
 MCV_LOOP_FUNCTION uint mcv_shade_camera_path(mcv_world world, mcv_slot slot,
                                              const mcv_interaction *interaction,
                                              mcv_shading shading, uint depth, uint *unmatched) {
@@ -60,8 +60,9 @@ MCV_LOOP_FUNCTION void mcv_shade_ranges(mcv_world world, uint *paths, const uint
     for (uint i = known_end; i < class_end[MCV_LAST_CLASS]; ++i) fate[i] = MCV_UNSHADED;
 }
 
-/* Starts the branches of the first `last` paths, which have continued, in the slots from `begin`
- * on; returns where they end. */
+/* Starts the branches of the first `last` paths in the slots from `begin` on; returns where they
+ * end. The paths have continued already: what a branch needs is in branch_state and in the rows of
+ * the surface. */
 MCV_BATCH uint mcv_split_paths(mcv_world world, uint *paths, const uint *fate, uint last,
                                uint begin) {
     uint splits[MCV_SLOTS], count = 0;

@@ -34,7 +34,7 @@ MCV_BATCH uint mcv_set_apart(const uint *paths, const uint *classes, uint class,
 #define MCV_MISS_END MCV_PATH_density
 #endif
 
-/* Those of the paths end that have met nothing. */
+/* Ends the paths that have met nothing. */
 MCV_BATCH uint mcv_shade_misses(mcv_world world, uint *apart, uint count, float *values) {
     uint nonfinite = 0;
 #if !MCV_WITH_ENVIRONMENT_IMAGE && !MCV_WITH_RECORDS
@@ -144,7 +144,7 @@ MCV_BATCH uint mcv_terminate_at_lamp(mcv_world world, uint *apart, uint count, u
 }
 #endif
 
-/* Those of the paths end that have met nothing or what absorbs all light, whose class is then MISS,
+/* Ends the paths that have met nothing, or what absorbs all light; the class of these is then MISS,
  * too. Returns how many values are not finite. */
 MCV_BATCH uint mcv_terminate_early(mcv_world world, uint *paths, uint *classes, uint count,
                                    uint depth, float *values) {

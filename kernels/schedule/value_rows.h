@@ -23,7 +23,7 @@ MCV_BATCH void mcv_clear_values(float *values, uint branch) {
 
 /* The path has ended. Returns how many of its values are not finite. */
 MCV_LOOP_FUNCTION uint mcv_terminate_path(mcv_world world, mcv_slot slot, float *values) {
-    const uint place = mcv_branch_of(slot) * MCV_SLICE + MCV_WORD(slot, value, 0);
+    const uint place = mcv_branch_of(slot) * MCV_SLICE + MCV_WORD(slot, sample_place, 0);
     uint nonfinite = 0;
     MCV_EACH_CHANNEL(c)
     values[c * MCV_SLOTS + place] = mcv_path_value(world, slot, (uint)c, &nonfinite);

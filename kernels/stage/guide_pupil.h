@@ -5,7 +5,7 @@
  * (sines, about the emitter's axis) first-order optics says how they change with the point p of the
  * pupil and the place s in the pixel: q = q0 + A (p - p0) + B s. Newton's method finds the centre,
  * q = 0; the cone |q| <= sin β is an ellipse about it. Only how fast an image converges depends on
- * it, not what it shows. writes aims
+ * it, not what it shows. writes pupil guides
  */
 #ifndef MCVISI_KERNELS_GUIDE_PUPIL_H
 #define MCVISI_KERNELS_GUIDE_PUPIL_H

@@ -51,7 +51,7 @@ MCV_LOOP_FUNCTION void mcv_add_shadow_light(mcv_world world, mcv_slot slot, mcv_
 #define MCV_WITH_TARGETS (MCV_WITH_PARALLEL || MCV_WITH_BEAM)
 
 /* A ray without target ends at the emitter's point, t = 1, or nowhere; one with a target must meet
- * it first. */
+ * it first. MCV_SKY and MCV_NONE are the two largest numbers: neither is an instance. */
 static int mcv_shadow_is_any(mcv_slot slot) { return MCV_WORD(slot, shadow_target, 0) >= MCV_SKY; }
 
 static float mcv_shadow_end(mcv_slot slot) {
