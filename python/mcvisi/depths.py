@@ -3,15 +3,7 @@
 
 from __future__ import annotations
 
-from typing import Any, Callable, Dict, List, Mapping, NamedTuple, Sequence, Tuple
-
-import numpy as np
-
-from mcvisi.errors import BadInput, UsageError
-
-CELLS = 64  # along the aperture's diameter
-LEAST = 20  # power over noise of frequencies that count
-FLAT = 0.75  # the window's share of each side that is even
+from typing import Any, NamedTuple, Sequence, Tuple
 
 
 class Depth(NamedTuple):
@@ -20,114 +12,6 @@ class Depth(NamedTuple):
     depth: float
     uncertainty: float
     misfit: float
-
-
-def _is_square(number: Any, prime: int) -> Any:
-    return np.isin(number % prime, [i * i % prime for i in range(1, prime)])
-
-
-def _open_cells(attributes: Mapping[str, Any]) -> "np.ndarray[Any, Any]":
-    """What the cells of the square about the aperture pass: rows upwards, columns to the right."""
-    get: Callable[[str, Any], Any] = lambda key, other: attributes.get("mcvisi:" + key, other)
-    middle = (np.arange(CELLS) + 0.5) / CELLS * 2 - 1
-    x, y = np.meshgrid(middle, middle)
-    radius, angle = np.hypot(x, y), np.arctan2(y, x)
-    shape, turn = get("aperture", "disc"), float(get("apertureRotation", 0))
-    passes: Any = np.ones_like(x)
-    if shape == "ring":
-        passes = radius > float(get("apertureRatio", 0.5))
-    elif shape == "half":
-        passes = np.cos(angle - turn) > 0
-    elif shape == "blades":
-        sector = 2 * np.pi / float(get("apertureBlades", 6))
-        from_middle = np.mod(angle - turn, sector) - sector / 2
-        passes = radius * np.cos(from_middle) < np.cos(sector / 2)
-    elif shape == "coded":
-        order = int(get("apertureOrder", 13))
-        i = np.floor((1 + x * np.sqrt(2)) / 2 * order).astype(int)
-        j = np.floor((1 - y * np.sqrt(2)) / 2 * order).astype(int)
-        inside = (i > 0) & (i < order) & (j >= 0) & (j < order)
-        passes = inside & ((j == 0) | (_is_square(i, order) == _is_square(j, order)))
-    elif shape == "mask":
-        numbers = [float(word) for word in get("apertureMask", "0").split()]
-        side = int(numbers[0])
-        cells = np.reshape(numbers[1:], (side, side))
-        i = np.minimum((x + 1) / 2 * side, side - 1).astype(int)
-        j = np.minimum((1 - y) / 2 * side, side - 1).astype(int)
-        passes = cells[j, i]
-    open_cells = np.where(radius < 1, passes, 0.0)
-    return np.asarray(open_cells / open_cells.sum())
-
-
-class _View:
-    """One image's spectrum and noise, and the transfer function of its lens."""
-
-    def __init__(self, image: Any, region: Tuple[int, int, int, int]) -> None:
-        header = image.attributes
-        for key in ("fNumber", "focalLength", "imageDistance", "pixelSize"):
-            if "mcvisi:" + key not in header:
-                raise BadInput("depth: an image's header has no %s: use a thinLens sensor" % key)
-        if image.error is None:
-            raise BadInput("depth: an image states no error: use what `camera` makes, as OpenEXR")
-        left, top, width, height = region
-        values = np.asarray(image.array, float)
-        if values.ndim != 2 or not (left >= 0 and top >= 0 and width >= 8 and height >= 8):
-            raise UsageError(
-                "depth: region must be X, Y, W, H of at least 8 x 8 pixels, of one channel"
-            )
-        if left + width > values.shape[1] or top + height > values.shape[0]:
-            raise UsageError("depth: region reaches beyond the image")
-        cut = (slice(top, top + height), slice(left, left + width))
-        window = np.outer(_window(height), _window(width))
-        # Exposures differ: what counts is the texture over its mean.
-        mean = np.average(values[cut], weights=window)
-        values = values[cut] / mean - 1
-        self.spread = height * width * np.sum(window**4) / np.sum(window**2) ** 2
-        self.spectrum = np.fft.fft2(values * window)
-        variance = np.mean(np.asarray(image.error, float)[cut] ** 2)
-        self.variance = variance / mean**2 * np.sum(window**2)
-        self.columns, self.rows = np.fft.fftfreq(width), np.fft.fftfreq(height)
-        self.distance = float(header["mcvisi:imageDistance"])
-        pixel = np.ravel(header["mcvisi:pixelSize"])
-        radius = self.distance / (2 * float(header["mcvisi:fNumber"]))
-        self.reach = self.distance * radius / float(pixel[0]), self.distance * radius / float(
-            pixel[-1]
-        )
-        self.focus = 1 / float(header["mcvisi:focalLength"]) - 1 / self.distance
-        self.cells = _open_cells(header)
-
-    def transfer(self, nearness: float) -> "np.ndarray[Any, Any]":
-        """Of a texture at the depth 1/nearness: the place (x, y) of the aperture, in radii, sees
-        it (1/w - 1/z) b r/p (x, -y) pixels aside."""
-        middle = (np.arange(CELLS) + 0.5) / CELLS * 2 - 1
-        aside = (self.focus - nearness) * np.asarray(self.reach)
-        across = np.exp(-2j * np.pi * aside[0] * np.outer(self.columns, middle))
-        down = np.exp(2j * np.pi * aside[1] * np.outer(self.rows, middle))
-        return np.asarray(down @ self.cells @ across.T)
-
-
-def _window(count: int) -> "np.ndarray[Any, Any]":
-    """1 in the middle, and down to 0 as a cosine at both ends."""
-    to_end = np.minimum(np.arange(count) + 0.5, count - np.arange(count) - 0.5) / count
-    return np.asarray(0.5 - 0.5 * np.cos(np.pi * np.minimum(to_end / (0.5 - FLAT / 2), 1)))
-
-
-def _misfit(views: Sequence[_View], nearness: float) -> float:
-    """What no texture explains, over the noise: minus twice the logarithm of the likelihood."""
-    powers = fitted = weights = 0.0
-    for view in views:
-        transfer = view.transfer(nearness)
-        powers = powers + np.abs(view.spectrum) ** 2 / view.variance
-        fitted = fitted + np.conj(transfer) * view.spectrum / view.variance
-        weights = weights + np.abs(transfer) ** 2 / view.variance
-    left = powers - np.abs(fitted) ** 2 / np.maximum(weights, 1e-300)
-    return float(np.sum(left[_known(views)]))
-
-
-def _known(views: Sequence[_View]) -> "np.ndarray[Any, Any]":
-    """Frequencies whose light stands far above the noise: others would add their noise alone."""
-    powers = sum(np.abs(view.spectrum) ** 2 / view.variance for view in views)
-    return np.asarray(powers > LEAST * len(views))
 
 
 def depth(
@@ -146,32 +30,6 @@ def depth(
     region: X, Y, W, H in pixels, wider than the blur. BadInput for images without an error, or of a
     camera without a lens; UsageError for what does not fit together.
     """
-    if len(images) < 2:
-        raise UsageError("depth: one image tells no depth without its texture: give two or more")
-    if not 0 < near < far:
-        raise UsageError("depth: near and far must be depths before the lens, 0 < near < far")
-    views: List[_View] = [_View(image, region) for image in images]
-    if any(abs(view.distance / views[0].distance - 1) > 1e-9 for view in views):
-        raise UsageError(
-            "depth: the images have several imageDistances, so that their scales differ"
-        )
-    pixels = max(max(view.reach) for view in views)  # that nearness moves the rim of the aperture
-    steps = int(np.ceil((1 / near - 1 / far) * pixels * 4)) + 3
-    tried = np.linspace(1 / far, 1 / near, steps)
-    known: Dict[float, float] = {float(q): _misfit(views, float(q)) for q in tried}
-    best = min(known, key=lambda q: known[q])
-    step = float(tried[1] - tried[0])
-    while step * pixels > 1e-4:
-        step /= 2
-        for q in (best - step, best + step):
-            known.setdefault(q, _misfit(views, q))
-        best = min((best - step, best, best + step), key=lambda q: known[q])
-    step = 0.05 / pixels
-    sides = [_misfit(views, best - step), known[best], _misfit(views, best + step)]
-    bend = (sides[0] - 2 * sides[1] + sides[2]) / step**2
-    if not bend > 0 or not 1 / far < best < 1 / near:
-        raise BadInput("depth: no depth from near to far explains the images")
-    # Each frequency of real images stands twice in the sum.
-    nearness = float(np.sqrt(2 / bend * views[0].spread))
-    free = np.count_nonzero(_known(views)) * (len(views) - 1)
-    return Depth(1 / best, nearness / best**2, float(np.sqrt(sides[1] / free)))
+    from mcvisi.depth_fit import best_depth
+
+    return best_depth(images, region, near, far)
