@@ -15,9 +15,9 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* Folders are looked at to this depth. A compiled kernel has no more bytes than LARGEST_FILE: those
- * of the shipped scenes have up to 0.86 MB. */
-enum { MAX_DEPTH = 8, LARGEST_FILE = 1 << 20 };
+/* Folders are looked at to this depth; the first ones are named by hashes. A compiled kernel has no
+ * more bytes than LARGEST_FILE: those of the shipped scenes have up to 0.86 MB. */
+enum { MAX_DEPTH = 8, HASHED = 2, LARGEST_FILE = 1 << 20 };
 
 mcv_result mcv_pocl_check(mcv_error *error) {
     const char *folder = getenv("POCL_CACHE_DIR");
@@ -71,6 +71,13 @@ static bool is_whole(const char *path) {
  * work on it: without its file, PoCL ends that process. */
 static bool is_being_written(const char *name) { return strncmp(name, "tempfile", 8) == 0; }
 
+/* A program's folder is named by its hash, in letters from A to P: two of them, and in that folder
+ * the others. Other folders are not PoCL's: POCL_CACHE_DIR may name one that holds more. */
+static bool may_be_hash(const char *name, int depth) {
+    const size_t length = strspn(name, "ABCDEFGHIJKLMNOP");
+    return name[length] == '\0' && (depth == 0 ? length == 2 : length >= 32);
+}
+
 /* Only what PoCL writes is looked at: libraries, and bitcode of programs. */
 static void mend_folder(const char *folder, int depth) {
     DIR *directory = opendir(folder);
@@ -80,9 +87,10 @@ static void mend_folder(const char *folder, int depth) {
         if (entry->d_name[0] == '.' || is_being_written(entry->d_name) ||
             snprintf(path, sizeof path, "%s/%s", folder, entry->d_name) >= (int)sizeof path)
             continue;
-        if (entry->d_type == DT_DIR && depth < MAX_DEPTH)
+        if (entry->d_type == DT_DIR && depth < MAX_DEPTH &&
+            (depth >= HASHED || may_be_hash(entry->d_name, depth)))
             mend_folder(path, depth + 1);
-        else if (entry->d_type == DT_REG &&
+        else if (depth >= HASHED && entry->d_type == DT_REG &&
                  (mcv_ends_in(path, ".so") || strcmp(entry->d_name, "program.bc") == 0) &&
                  !is_whole(path))
             unlink(path);
