@@ -170,16 +170,20 @@ mcv_result mcv_rendering_saves(mcv_rendering *r, const mcv_command *command, con
     return result;
 }
 
-/* Of a render into memory: only where they are asked for. */
+/* Of a render into memory: only where they are asked for. The lock is taken, too. */
 static mcv_result begin_saves(mcv_rendering *r, const mcv_command *command, const mcv_scene *scene,
-                              uint32_t sensor, mcv_saves *saves, mcv_error *error) {
+                              uint32_t sensor, mcv_saves *saves, mcv_saves_lock *lock,
+                              mcv_error *error) {
     const bool wanted = command->checkpoint && strcmp(command->checkpoint, "off") != 0;
     if (command->resume && !wanted)
         return mcv_fail(error, MCV_USAGE, "options: resume: name the file by checkpoint");
     if (wanted) MCV_TRY(mcv_output_check(command->checkpoint, error));
     if (command->part) MCV_TRY(mcv_output_check(command->part, error));
-    return mcv_rendering_saves(r, command, scene, sensor, wanted ? command->checkpoint : NULL,
-                               false, saves, error);
+    if (wanted) MCV_TRY(mcv_saves_lock_take(lock, command->checkpoint, error));
+    const mcv_result result = mcv_rendering_saves(
+        r, command, scene, sensor, wanted ? command->checkpoint : NULL, false, saves, error);
+    if (result != MCV_OK) mcv_saves_unlock(lock);
+    return result;
 }
 
 static mcv_result render_scene(mcv_session *session, const mcv_command *command, mcv_rendering *r,
@@ -193,7 +197,8 @@ static mcv_result render_scene(mcv_session *session, const mcv_command *command,
     MCV_TRY(mcv_render_options_read(command, &options, error));
     MCV_TRY(mcv_session_sensor(scene, command, &sensor, error));
     mcv_saves saves;
-    MCV_TRY(begin_saves(r, command, scene, sensor, &saves, error));
+    mcv_saves_lock lock = {.path = NULL};
+    MCV_TRY(begin_saves(r, command, scene, sensor, &saves, &lock, error));
     mcv_result result =
         mcv_rendering_run(r, session, command, scene, sensor, &options, &film, &told, error);
     if (result == MCV_OK) result = finish(r, command, seconds_load, picture, stats, error);
@@ -201,6 +206,7 @@ static mcv_result render_scene(mcv_session *session, const mcv_command *command,
         result = mcv_part_write(command->part, saves.identity, &r->rendered, error);
     r->saves = NULL;
     mcv_saves_end(&saves, result == MCV_OK);
+    mcv_saves_unlock(&lock);
     r->rendered = (mcv_rendered){.set = r->rendered.set}; /* the rest ends here */
     mcv_film_free(&film);
     return result;

@@ -14,6 +14,9 @@
 #include <stdlib.h>
 #include <unistd.h>
 
+/* A process may open some 1000 files. A render of more sensors is known by the first ones. */
+enum { MOST_LOCKS = 256 };
+
 /* A call, with what it tells. */
 typedef struct files_call {
     mcv_rendering rendering;
@@ -251,15 +254,30 @@ static mcv_result render_sensor(files_call *c, mcv_scene *scene, mcv_render_opti
     return result;
 }
 
+/* Of all sensors before the first is rendered: a refusal is to come at once, not hours later. */
+static mcv_result lock_files(const files_call *c, const mcv_scene *scene, uint32_t first,
+                             uint32_t count, mcv_saves_lock *locks, mcv_error *error) {
+    mcv_render_files files;
+    for (uint32_t i = 0; i < count && i < MOST_LOCKS; ++i) {
+        MCV_TRY(
+            mcv_render_files_plan(&c->given.command, scene, first + i, count > 1, &files, error));
+        if (files.film[0]) MCV_TRY(mcv_saves_lock_take(locks + i, files.film, error));
+    }
+    return MCV_OK;
+}
+
 static mcv_result render_scene(files_call *c, mcv_scene *scene, const mcv_render_options *options,
                                mcv_error *error) {
     uint32_t first, count;
     MCV_TRY(tell_findings(c, scene, error));
     MCV_TRY(mcv_render_sensors(&c->given.command, scene, &first, &count, error));
     MCV_TRY(mcv_render_files_check(&c->given.command, scene, first, count, error));
-    for (uint32_t i = first; i < first + count; ++i)
-        MCV_TRY(render_sensor(c, scene, *options, i, count > 1, error));
-    return MCV_OK;
+    mcv_saves_lock locks[MOST_LOCKS] = {{.path = NULL}};
+    mcv_result result = lock_files(c, scene, first, count, locks, error);
+    for (uint32_t i = first; i < first + count && result == MCV_OK; ++i)
+        result = render_sensor(c, scene, *options, i, count > 1, error);
+    for (int i = 0; i < MOST_LOCKS; ++i) mcv_saves_unlock(locks + i);
+    return result;
 }
 
 static mcv_result render_command(files_call *c, const mcv_rig *rig, mcv_error *error) {

@@ -2,12 +2,42 @@
 #include "api/saves.h"
 
 #include "core/basics.h"
+#include "core/file_lock.h"
 
 #include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 /* Seconds between two; longer where writing one would take more than this share of the time. */
 static const double INTERVAL = 60, LARGEST_SHARE = 0.005;
+
+mcv_result mcv_saves_lock_take(mcv_saves_lock *lock, const char *path, mcv_error *error) {
+    static const char ending[] = ".lock";
+    const size_t size = strlen(path) + sizeof ending;
+    *lock = (mcv_saves_lock){.path = malloc(size), .descriptor = -1};
+    if (!lock->path) return mcv_fail(error, MCV_FAILED, "%s: no memory for its name", path);
+    snprintf(lock->path, size, "%s%s", path, ending);
+    const mcv_result result =
+        mcv_file_lock(lock->path, path, "-o or --checkpoint", &lock->descriptor, error);
+    if (result == MCV_OK) return MCV_OK;
+    free(lock->path);
+    lock->path = NULL;
+    return result;
+}
+
+/* Removed while it is held: whoever has opened it meanwhile finds that it has no name. A file with
+ * contents is not ours. */
+void mcv_saves_unlock(mcv_saves_lock *lock) {
+    struct stat status;
+    if (!lock->path) return;
+    if (stat(lock->path, &status) == 0 && status.st_size == 0) unlink(lock->path);
+    close(lock->descriptor);
+    free(lock->path);
+    lock->path = NULL;
+}
 
 void mcv_saves_begin(mcv_saves *s, const char *path, bool by_default, json_t *identity) {
     const double now = mcv_seconds();

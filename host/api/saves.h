@@ -6,6 +6,19 @@
 
 #include "verbs/checkpoint.h"
 
+/* Of the checkpoint's name, as long as its render runs: a file beside it, since the checkpoint is
+ * replaced by each save. */
+typedef struct mcv_saves_lock {
+    char *path; /* NULL: none */
+    int descriptor;
+} mcv_saves_lock;
+
+/* MCV_BAD_INPUT tells who has it. After success mcv_saves_unlock must follow. */
+mcv_result mcv_saves_lock_take(mcv_saves_lock *lock, const char *path, mcv_error *error);
+
+/* Removes the file; nothing where there is no lock. */
+void mcv_saves_unlock(mcv_saves_lock *lock);
+
 typedef struct mcv_saves {
     const char *path;
     bool by_default; /* nobody has named it: nothing is written in the first minute */

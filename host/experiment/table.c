@@ -2,17 +2,15 @@
 #include "experiment/table.h"
 
 #include "core/basics.h"
+#include "core/file_lock.h"
 #include "core/output_file.h"
 
 #include <errno.h>
-#include <fcntl.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <sys/file.h>
 #include <sys/stat.h>
-#include <sys/sysmacros.h>
 #include <unistd.h>
 
 enum { MAX_ROW = 8192 }; /* bytes in the file */
@@ -135,53 +133,9 @@ mcv_result mcv_table_append(mcv_table *table, const double *row, const char *mes
     return MCV_OK;
 }
 
-/* The process that holds a lock on a file, as the system lists it; 0: not known. */
-static long holder_of(const struct stat *status) {
-    char line[256];
-    FILE *locks = fopen("/proc/locks", "re");
-    long holder = 0;
-    while (locks && holder == 0 && fgets(line, sizeof line, locks)) {
-        long process;
-        unsigned major, minor;
-        unsigned long inode;
-        const bool read =
-            // NOLINTNEXTLINE(cert-err34-c): the kernel's own numbers fit
-            sscanf(line, "%*s FLOCK %*s %*s %ld %x:%x:%lu", &process, &major, &minor, &inode) == 4;
-        if (read && inode == status->st_ino && major == major(status->st_dev) &&
-            minor == minor(status->st_dev))
-            holder = process;
-    }
-    if (locks) fclose(locks);
-    return holder;
-}
-
-static mcv_result tell_holder(const mcv_table *table, const struct stat *status, mcv_error *error) {
-    const long holder = holder_of(status);
-    char who[64] = "another process";
-    if (holder > 0) snprintf(who, sizeof who, "process %ld", holder);
-    return mcv_fail(error, MCV_BAD_INPUT,
-                    "%s: is being written by %s: wait until it ends, or give another name by -o",
-                    table->path, who);
-}
-
 mcv_result mcv_table_lock(mcv_table *table, bool *exists, mcv_error *error) {
-    struct stat held, named;
-    /* While it was waited for, another process may have put another file in its place. */
-    for (int tries = 0; tries < 100; ++tries) {
-        table->descriptor = open(table->path, O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC, 0666);
-        if (table->descriptor < 0 || fstat(table->descriptor, &held) != 0)
-            return mcv_fail(error, MCV_BAD_INPUT, "%s: %s", table->path, strerror(errno));
-        /* Not every file system has locks. */
-        if (flock(table->descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK)
-            return tell_holder(table, &held, error);
-        if (stat(table->path, &named) == 0 && named.st_ino == held.st_ino &&
-            named.st_dev == held.st_dev)
-            break;
-        close(table->descriptor);
-        table->descriptor = -1;
-    }
-    if (table->descriptor < 0)
-        return mcv_fail(error, MCV_FAILED, "%s: is replaced again and again", table->path);
+    struct stat held;
+    MCV_TRY(mcv_file_lock(table->path, table->path, "-o", &table->descriptor, error));
     table->locked = true;
     *exists = fstat(table->descriptor, &held) == 0 && held.st_size > 0;
     return MCV_OK;

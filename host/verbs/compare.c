@@ -93,6 +93,20 @@ static void warn_of_seeds(const mcv_compared *a, const mcv_compared *b, mcv_repo
     mcv_report_tell(report, "warning", text);
 }
 
+static bool is_same(const mcv_image *a, const mcv_image *b) {
+    return a->width == b->width && a->height == b->height && a->channels == b->channels &&
+           memcmp(a->pixels, b->pixels,
+                  (size_t)a->width * a->height * a->channels * sizeof *a->pixels) == 0;
+}
+
+static void tell_identical(const mcv_compared *a, const mcv_compared *b, mcv_report *report) {
+    if (is_same(a->measured.mean, b->measured.mean) &&
+        is_same(a->measured.error, b->measured.error))
+        mcv_report_tell(report, "note",
+                        "both images are identical: all values and their errors have the same "
+                        "bits");
+}
+
 static void report_comparison(const mcv_compared *a, const mcv_compared *b, bool ranks,
                               const mcv_comparison *c, mcv_report *report) {
     double histogram[MCV_COMPARE_BINS];
@@ -140,6 +154,7 @@ bool mcv_compared_by_ranks(const mcv_compared *a, const mcv_compared *b) {
 void mcv_compare_report(const mcv_compared *a, const mcv_compared *b,
                         const mcv_comparison *comparison, mcv_report *report) {
     warn_of_seeds(a, b, report);
+    tell_identical(a, b, report);
     report_comparison(a, b, mcv_compared_by_ranks(a, b), comparison, report);
 }
 

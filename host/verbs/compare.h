@@ -31,7 +31,7 @@ mcv_result mcv_compare(const mcv_compared *a, const mcv_compared *b, mcv_compari
 mcv_result mcv_compare_draw(const char *path, const mcv_compared *a, const mcv_compared *b,
                             bool different, mcv_error *error);
 
-/* Warns where both have the same noise, and tells of the comparison. */
+/* Warns where both have the same noise, tells where they are identical, and of the comparison. */
 void mcv_compare_report(const mcv_compared *a, const mcv_compared *b,
                         const mcv_comparison *comparison, mcv_report *report);
 

@@ -397,9 +397,11 @@ static void test_compares(void **state) {
     assert_non_null(strstr(report, "\"different\":false"));
     assert_non_null(
         strstr(report, "\"notes\":[{\"severity\":\"warning\",\"text\":\"both images have seed 0"));
+    assert_non_null(strstr(report, "\"text\":\"both images are identical: all values"));
     mcv_text_free(report);
     WELL(mcv_picture_compare(a, b, NULL, NULL, &difference, &report, &error));
     assert_non_null(strstr(report, "\"different\":true"));
+    assert_null(strstr(report, "identical"));
     assert_int_equal(part_of(difference, 0).width, 16);
     mcv_text_free(report);
     mcv_picture_free(difference);

@@ -5,6 +5,9 @@
 
 #include "program.h"
 
+#include <pthread.h>
+#include <unistd.h>
+
 static void test_rays_of_a_file(void **state) {
     static const double rays[] = {0, 0, 0, 0, 0, -1};
     mcv_session *session = open_session("{\"device\": \"reference\"}");
@@ -93,6 +96,53 @@ static void test_renders_into_files(void **state) {
     FAILS(MCV_BAD_INPUT, "cannot be written",
           mcv_session_render_files(session, rig, "{\"spp\": 4, \"output\": \"nowhere/x.exr\"}",
                                    NULL, NULL, NULL, &error));
+    mcv_rig_free(rig);
+    mcv_session_close(session);
+}
+
+/* While a render is in its callback, other sessions in another thread render into its files. */
+static void *render_the_same(void *rig) {
+    mcv_session *session = open_session("{\"device\": \"reference\"}");
+    mcv_picture *picture = NULL;
+    FAILS(MCV_BAD_INPUT, "one.checkpoint: is being written by another thread of this process",
+          mcv_session_render_files(session, rig, "{\"spp\": 8, \"output\": \"one.exr\"}", NULL,
+                                   NULL, NULL, &error));
+    FAILS(MCV_BAD_INPUT, "one.checkpoint: is being written by another thread of this process",
+          mcv_session_render(session, rig, "{\"spp\": 8, \"checkpoint\": \"one.checkpoint\"}", NULL,
+                             NULL, &picture, NULL, &error));
+    assert_null(picture);
+    WELL(mcv_session_render_files(session, rig, "{\"spp\": 4, \"output\": \"other.exr\"}", NULL,
+                                  NULL, NULL, &error));
+    mcv_session_close(session);
+    return NULL;
+}
+
+static bool on_progress_of_one(void *user, const mcv_progress *progress) {
+    pthread_t thread;
+    if (!progress->writing) return true;
+    assert_int_equal(access("one.checkpoint.lock", F_OK), 0);
+    assert_int_equal(pthread_create(&thread, NULL, render_the_same, user), 0);
+    assert_int_equal(pthread_join(thread, NULL), 0);
+    return true;
+}
+
+static void test_renders_in_threads(void **state) {
+    mcv_session *session = open_session("{\"device\": \"reference\"}");
+    mcv_rig *rig = parse_rig(sky_rig);
+    mcv_picture *picture = NULL;
+    (void)state;
+    WELL(mcv_session_render_files(session, rig, "{\"spp\": 4, \"output\": \"one.exr\"}",
+                                  on_progress_of_one, NULL, rig, &error));
+    expect_part("one.exr", "image", 2.5F);
+    expect_part("other.exr", "image", 2.5F);
+    assert_int_not_equal(access("one.checkpoint.lock", F_OK), 0);
+    /* Into memory: locked only where there is a checkpoint, and as long as it runs. */
+    for (int i = 0; i < 2; ++i) {
+        WELL(mcv_session_render(session, rig, "{\"spp\": 4, \"checkpoint\": \"one.checkpoint\"}",
+                                NULL, NULL, &picture, NULL, &error));
+        mcv_picture_free(picture);
+    }
+    assert_int_not_equal(access("one.checkpoint.lock", F_OK), 0);
     mcv_rig_free(rig);
     mcv_session_close(session);
 }
@@ -205,6 +255,7 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_rays_of_a_file),
         cmocka_unit_test(test_renders_into_files),
+        cmocka_unit_test(test_renders_in_threads),
         cmocka_unit_test(test_work_on_pictures_into_files),
         cmocka_unit_test(test_reports_for_people),
         cmocka_unit_test(test_rigs_into_files),

@@ -60,7 +60,8 @@ static int render_with_kills(const char *line, int kills, unsigned seed) {
     }
     program_well(resumed);
     if (access("killed.film", F_OK) == 0) fail_msg("the checkpoint of a finished render is there");
-    if (files_named(".", ".part") > 0) fail_msg("what killed renders left was not removed");
+    if (files_named(".", ".part") + files_named(".", "killed.film.lock") > 0)
+        fail_msg("what killed renders left was not removed");
     print_message("%d of %d were killed, %d found a checkpoint\n", killed, kills, saves);
     return saves;
 }
@@ -227,6 +228,70 @@ static void test_an_image_that_cannot_be_written(void **state) {
     assert_null(strstr(said, "there is no checkpoint"));
 }
 
+/* --- one process writes a checkpoint --- */
+
+#define HELD STOPPED " --device reference -o held.exr "
+
+static pid_t start_holder(const char *line, const char *lock) {
+    const pid_t child = child_start(line, 0);
+    child_wait_for_handler(child, SIGTERM);
+    for (int i = 0; i < 6000 && access(lock, F_OK) != 0 && !child_ended(child); ++i)
+        sleep_for(0.005);
+    if (access(lock, F_OK) == 0) return child;
+    kill(child, SIGKILL);
+    fail_msg("mcvisi %s: exit code %d, and no %s: %s", line, child_end(child), lock, said);
+    return child;
+}
+
+static void expect_stopped(pid_t child, int signal, int expected) {
+    kill(child, signal);
+    const int code = child_end(child);
+    if (code != expected) fail_msg("exit code %d, not %d: %s", code, expected, said);
+}
+
+/* The second process is told who writes, and loses nothing of either; a killed one blocks nobody.
+ */
+static void test_one_process_renders_an_image(void **state) {
+    char words[96];
+    (void)state;
+    const pid_t child = start_holder("render " HELD "--time 1000", "held.checkpoint.lock");
+    snprintf(words, sizeof words, "held.checkpoint: is being written by process %d: wait",
+             (int)child);
+    kill(child, SIGUSR1);
+    wait_for_save(child, "held.checkpoint", (struct timespec){0});
+    const int before = files_named(".", "held");
+    program_fails("render " HELD "--time 1000", 3, words);
+    program_fails("render " HELD "--spp 4 --resume", 3, words);
+    program_fails("render " STOPPED " --spp 4 -o rival.exr --checkpoint held.checkpoint", 3, words);
+    assert_int_equal(files_named(".", "held"), before);
+    assert_int_equal(files_named(".", "rival"), 0);
+    program_well("render " STOPPED " --spp 4 --device reference -o beside.exr");
+    program_well("render " HELD "--spp 4 --checkpoint off");
+    expect_same_image("beside.exr", "held.exr");
+    assert_int_equal(access("held.checkpoint", F_OK), 0);
+    expect_stopped(child, SIGKILL, -SIGKILL);
+    const pid_t next = start_holder("render " HELD "--time 1000 --resume", "held.checkpoint.lock");
+    expect_stopped(next, SIGTERM, 143);
+    assert_null(strstr(said, "there is no checkpoint"));
+    assert_int_equal(files_named(".", "held.checkpoint.lock"), 0);
+    assert_int_equal(access("held.checkpoint", F_OK), 0);
+}
+
+/* Who renders several sensors has all of their files from the beginning. */
+static void test_one_process_renders_several_images(void **state) {
+    (void)state;
+    const char *line = "render " SCENES "bolts.gltf --resolution 8x8 --device reference "
+                       "--time 1000 -o several.exr";
+    const pid_t child = start_holder(line, "several-telecentric.checkpoint.lock");
+    assert_int_equal(access("several-entocentric.checkpoint.lock", F_OK), 0);
+    program_fails("render " SCENES "bolts.gltf --sensor telecentric --resolution 8x8 --spp 4 "
+                  "--device reference -o several-telecentric.exr",
+                  3, "several-telecentric.checkpoint: is being written by process");
+    program_fails(line, 3, "several-entocentric.checkpoint: is being written by process");
+    expect_stopped(child, SIGTERM, 143);
+    assert_int_equal(files_named(".", "tric.checkpoint.lock"), 0);
+}
+
 /* --- images that are finished --- */
 
 #define TWO \
@@ -315,6 +380,8 @@ int main(void) {
         cmocka_unit_test(test_an_interrupted_image_is_known),
         cmocka_unit_test(test_an_image_that_cannot_be_written),
         cmocka_unit_test(test_a_save_may_be_asked_for_early),
+        cmocka_unit_test(test_one_process_renders_an_image),
+        cmocka_unit_test(test_one_process_renders_several_images),
         cmocka_unit_test(test_finished_images_stay),
         cmocka_unit_test(test_finished_parts_stay),
         cmocka_unit_test(test_time_goes_on),
