@@ -3,6 +3,7 @@
 #include "loader/loader.h"
 
 #include "defects/defects.h"
+#include "loader/memory.h"
 #include "scene/params.h"
 #include "scene/solid.h"
 
@@ -179,6 +180,11 @@ static mcv_result make_meshes(mcv_loader *loader, const json_t *object, const mc
     if (!name || mcv_defect_is_inside(type)) return MCV_OK; /* define() tells what is missing */
     const mcv_result found = mcv_defect_node(loader->scene, name, &node, place, error);
     if (found != MCV_OK || !node) return found;
+    /* Three indices, and position and normal of half a vertex. */
+    const uint64_t bytes = MCV_TRIANGLE_BYTES + 3 * sizeof(uint32_t) + 3 * sizeof(float);
+    MCV_TRY(mcv_memory_take(loader->memory, &loader->memory->geometry,
+                            bytes * mcv_scene_solid_triangles(loader->scene, node->instances),
+                            &here, error));
     return mcv_scene_mesh_solids(loader->scene, node->instances, &here, error);
 }
 

@@ -46,4 +46,7 @@ double mcv_cap_bend(const mcv_cap *cap, double radius);
 mcv_result mcv_scene_mesh_solids(mcv_scene *scene, const uint32_t instances[2],
                                  const mcv_json_path *place, mcv_error *error);
 
+/* At most so many triangles does it make of them. */
+uint64_t mcv_scene_solid_triangles(const mcv_scene *scene, const uint32_t instances[2]);
+
 #endif

@@ -278,18 +278,42 @@ static mcv_result replace(mcv_scene *scene, const mcv_solid *s, uint32_t rings, 
     return mcv_scene_take_mesh(scene, &b[1].mesh, error);
 }
 
+static uint64_t triangles_of(const mcv_solid *s, uint64_t n) {
+    if (s->side == MCV_SIDE_BOX) return 12;
+    if (s->side == MCV_SIDE_SPHERE) return 8 * n * n;
+    if (s->side == MCV_SIDE_CYLINDER) return 12 * n * n + 12 * n;
+    return s->hole > 0 ? 12 * n * (n + 1) : 6 * n * n;
+}
+
 static bool is_among(const mcv_solid *s, const uint32_t instances[2]) {
     return s->instances[0] >= instances[0] && s->instances[0] < instances[1];
 }
 
+/* All have the same number, for the faces of cemented lenses. */
+static uint32_t rings_of_all(const mcv_scene *scene, const uint32_t instances[2]) {
+    double rings = 1;
+    for (uint32_t i = 0; i < scene->solid_count; ++i)
+        if (is_among(scene->solids + i, instances))
+            rings = fmax(rings, rings_of(scene->solids + i));
+    return (uint32_t)fmin(ceil(rings), MOST_RINGS);
+}
+
+uint64_t mcv_scene_solid_triangles(const mcv_scene *scene, const uint32_t instances[2]) {
+    const uint32_t rings = rings_of_all(scene, instances);
+    uint64_t triangles = 0;
+    for (uint32_t i = 0; i < scene->solid_count; ++i)
+        if (is_among(scene->solids + i, instances))
+            triangles += triangles_of(scene->solids + i, rings);
+    return triangles;
+}
+
 mcv_result mcv_scene_mesh_solids(mcv_scene *scene, const uint32_t instances[2],
                                  const mcv_json_path *place, mcv_error *error) {
+    const uint32_t rings = rings_of_all(scene, instances);
     uint32_t kept = 0;
-    double rings = 1;
     for (uint32_t i = 0; i < scene->solid_count; ++i) {
         const mcv_solid *s = scene->solids + i;
         if (!is_among(s, instances)) continue;
-        rings = fmax(rings, rings_of(s));
         if (s->cemented && s->radius != scene->solids[i - 1].radius)
             return mcv_fail_at(place, error,
                                "lies on a cemented lens whose parts have the semi-diameters %g m "
@@ -299,7 +323,7 @@ mcv_result mcv_scene_mesh_solids(mcv_scene *scene, const uint32_t instances[2],
     for (uint32_t i = 0; i < scene->solid_count; ++i) {
         const mcv_solid s = scene->solids[i];
         if (is_among(&s, instances))
-            MCV_TRY(replace(scene, &s, (uint32_t)fmin(ceil(rings), MOST_RINGS), error));
+            MCV_TRY(replace(scene, &s, rings, error));
         else
             scene->solids[kept++] = s;
     }

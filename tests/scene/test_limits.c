@@ -280,10 +280,28 @@ static void test_long_string(void **state) {
     free(path);
 }
 
+/* A ball that a defect makes a mesh: 8 · 182² triangles, told before they are made. */
+static void test_exact_surface_with_a_defect(void **state) {
+    (void)state;
+    static const char text[] =
+        HEAD "\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"extensions\":{\"MCVISI_surfaces\":"
+             "{\"surfaces\":[{\"type\":\"sphere\",\"radius\":\"2mm\",\"material\":\"grey\"}]},"
+             "\"MCVISI_defects\":{\"defects\":[{\"name\":\"dent\",\"type\":\"dent\",\"node\":"
+             "\"ball\",\"at\":[0,0,0.002],\"size\":\"0.5mm\",\"depth\":\"10um\"}]}},"
+             "\"materials\":[{\"name\":\"grey\",\"extensions\":{\"MCVISI_materials\":{\"type\":"
+             "\"diffuse\",\"reflectance\":0.5}}}],\"nodes\":[{\"name\":\"ball\",\"extensions\":"
+             "{\"MCVISI_surfaces\":{\"surface\":0}}}]}";
+    char *path = write_bytes("limits_ball.gltf", text, sizeof text - 1);
+    refuse_within(path, 80000000, "defects/dent/node: with it the scene takes");
+    free(path);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_sparse_buffer),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_exact_surface_with_a_defect),
+                                       cmocka_unit_test(test_sparse_buffer),
                                        cmocka_unit_test(test_images_of_one_file),
-                                       cmocka_unit_test(test_geometry), cmocka_unit_test(test_json),
+                                       cmocka_unit_test(test_geometry),
+                                       cmocka_unit_test(test_json),
                                        cmocka_unit_test(test_long_string)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
