@@ -111,8 +111,9 @@ static bool go_on(const mcv_renderer *r, double samples, double error) {
             fmax(fraction, fmin(1, pow(o->error / error, 2) * samples / (double)r->film->samples));
     if (o->progress(o->user, fraction, seconds, error)) return true;
     r->stats->interrupted = true;
-    /* The first round is always finished: a stopped render has an image. */
-    return r->film->samples == 0;
+    /* The first round is always finished: a stopped render has an image. Records of a part of a
+     * round are of no use, and their first round may be the whole render. */
+    return r->film->samples == 0 && !o->records;
 }
 
 /* Saves the render with what was read, if it is time. */
@@ -159,17 +160,15 @@ mcv_result mcv_class_pass_begin(const mcv_renderer *r, mcv_pixel_class class, ui
     return mcv_fail(r->error, MCV_FAILED, "no memory for the sums of a launch");
 }
 
-mcv_result mcv_class_pass_render(mcv_renderer *r, mcv_class_pass *pass, uint64_t set,
-                                 uint32_t sets) {
-    const uint32_t launch_samples = 1u << pass->log2_samples;
+mcv_result mcv_class_pass_launch(mcv_renderer *r, mcv_class_pass *pass, uint64_t set, uint32_t sets,
+                                 uint64_t *sample) {
+    mcv_readback *h = &pass->readback;
+    const uint64_t first = *sample;
+    *sample += (uint64_t)1 << pass->log2_samples;
     r->frame.log2_samples = pass->log2_samples;
     r->frame.first_set = (uint32_t)set;
-    for (uint64_t s = 0; s < pass->count; s += launch_samples) {
-        r->frame.first_sample = (uint32_t)(pass->first + s);
-        MCV_TRY(launch(r, sets, (uint32_t)(s / launch_samples) * pass->readback.launched_blocks,
-                       &pass->readback));
-    }
-    return MCV_OK;
+    r->frame.first_sample = (uint32_t)(pass->first + first);
+    return launch(r, sets, (uint32_t)(first >> pass->log2_samples) * h->launched_blocks, h);
 }
 
 void mcv_class_pass_read(const mcv_renderer *r, mcv_class_pass *pass) {
@@ -199,18 +198,27 @@ static uint32_t next_sets(const mcv_renderer *r, const mcv_class_pass *pass, uin
     return (uint32_t)(left < most ? left : most);
 }
 
+/* Whether the render may stop while sets lack samples: what is saved of a round has whole sets. */
+static bool may_stop_in_sets(const mcv_renderer *r) {
+    return r->options->records || !r->options->saving;
+}
+
 mcv_result mcv_render_class(mcv_renderer *r, mcv_pixel_class class, uint64_t first, uint64_t count,
                             double done_before, bool *stop) {
     mcv_class_pass pass;
     mcv_result result = mcv_class_pass_begin(r, class, first, count, &pass);
-    uint64_t done = r->in_round ? r->part.sets : 0;
+    uint64_t done = r->in_round ? r->part.sets : 0, sample = 0;
+    uint32_t sets = 0;
     while (result == MCV_OK && !*stop && done < pass.set_count) {
-        const uint32_t sets = next_sets(r, &pass, pass.set_count - done);
-        result = mcv_class_pass_render(r, &pass, pass.first_set + done, sets);
+        if (sample == 0) sets = next_sets(r, &pass, pass.set_count - done);
+        result = mcv_class_pass_launch(r, &pass, pass.first_set + done, sets, &sample);
+        const double of_sets = sets * ((double)sample / (double)pass.count);
+        const double share = ((double)done + of_sets) / (double)pass.set_count;
+        if (sample < pass.count && !may_stop_in_sets(r)) continue;
+        if (result == MCV_OK) *stop = !mcv_class_pass_tell(r, class, count, share, done_before);
+        if (sample < pass.count) continue;
+        sample = 0;
         done += sets;
-        if (result == MCV_OK)
-            *stop = !mcv_class_pass_tell(r, class, count, (double)done / (double)pass.set_count,
-                                         done_before);
         if (r->in_round) r->part.sets = done;
         if (result == MCV_OK) result = save(r, &pass, *stop);
     }

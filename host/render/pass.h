@@ -31,10 +31,11 @@ typedef struct mcv_class_pass {
 mcv_result mcv_class_pass_begin(const mcv_renderer *r, mcv_pixel_class class, uint64_t first,
                                 uint64_t count, mcv_class_pass *pass);
 
-/* Renders `sets` sets, at most sets_per_launch, from this one on. Their sums may still be on the
- * way: mcv_class_pass_read brings them to r->round. */
-mcv_result mcv_class_pass_render(mcv_renderer *r, mcv_class_pass *pass, uint64_t set,
-                                 uint32_t sets);
+/* One launch: the pass's samples from *sample on, which moves behind them, of `sets` sets, at most
+ * sets_per_launch, from this one on. The sums of sets whose samples are all rendered may still be
+ * on the way: mcv_class_pass_read brings them to r->round. */
+mcv_result mcv_class_pass_launch(mcv_renderer *r, mcv_class_pass *pass, uint64_t set, uint32_t sets,
+                                 uint64_t *sample);
 void mcv_class_pass_read(const mcv_renderer *r, mcv_class_pass *pass);
 void mcv_class_pass_end(mcv_class_pass *pass);
 

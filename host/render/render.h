@@ -21,9 +21,10 @@ enum { MCV_SCHEDULE_AUTO, MCV_SCHEDULE_TILE, MCV_SCHEDULE_STREAM };
 enum { MCV_PRECISION_SINGLE, MCV_PRECISION_MIXED, MCV_PRECISION_DOUBLE };
 
 /*
- * Called after every pass. Returning false stops the render; it keeps its complete rounds. It is
- * also called before the kernels are compiled, which may take longer than the render: fraction is
- * then NaN, and false takes effect at the next pass.
+ * Called after every launch, or every pass of a render that is saved. Returning false stops the
+ * render; it keeps its complete rounds, of which one with records has none. It is also called
+ * before the kernels are compiled, which may take longer than the render: fraction is then NaN, and
+ * false takes effect at the next call.
  */
 typedef bool mcv_pass_told(void *user, double fraction, double seconds, double error);
 

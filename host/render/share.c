@@ -62,7 +62,8 @@ static mcv_result render_tile(worker *w, size_t tile) {
     const share *s = w->share;
     const uint64_t set = s->begin + (uint64_t)tile * s->tile_sets;
     const uint64_t sets = s->end - set < s->tile_sets ? s->end - set : s->tile_sets;
-    MCV_TRY(mcv_class_pass_render(w->at, &w->pass, set, (uint32_t)sets));
+    for (uint64_t sample = 0; sample < w->pass.count;)
+        MCV_TRY(mcv_class_pass_launch(w->at, &w->pass, set, (uint32_t)sets, &sample));
     mcv_class_pass_read(w->at, &w->pass);
     return MCV_OK;
 }

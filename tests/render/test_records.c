@@ -172,10 +172,69 @@ static void test_light_paths_are_recorded(void **state) {
     mcv_scene_free(scene);
 }
 
+enum { MANY = 1 << 18 }; /* samples of a replicate: four launches of a set, hours of all */
+
+/* What a stopped render was told. */
+typedef struct stopping {
+    uint32_t calls, stop_after;
+    double fraction; /* the last one */
+} stopping;
+
+static bool stop_later(void *user, double fraction, double seconds, double error) {
+    stopping *s = user;
+    (void)seconds, (void)error;
+    if (isnan(fraction)) return true;
+    if (s->calls == s->stop_after) fail_msg("goes on after the stop, at %g", fraction);
+    if (!(fraction > s->fraction && fraction < 1))
+        fail_msg("call %u: %g of the render is done, after %g", s->calls, fraction, s->fraction);
+    s->fraction = fraction;
+    return ++s->calls < s->stop_after;
+}
+
+static mcv_result drop_records(void *user, const uint32_t *records, size_t count,
+                               mcv_error *error) {
+    (void)user, (void)records, (void)count, (void)error;
+    return MCV_OK;
+}
+
+/*
+ * A render that records has one round, which may take hours; a single pixel's samples take many
+ * launches. It must end with the launch after which it is stopped, without an image. The first pass
+ * has one set, of which a launch has 2^16 samples.
+ */
+static void test_stops_with_a_launch(void **state) {
+    (void)state;
+    static const uint32_t schedules[] = {MCV_SCHEDULE_TILE, MCV_SCHEDULE_STREAM};
+    for (size_t i = 0; i < sizeof schedules / sizeof schedules[0]; ++i) {
+        mcv_scene *scene = load("gray-code.gltf");
+        mcv_record_sink sink = {.take = drop_records};
+        stopping s = {.stop_after = 2};
+        mcv_render_options options = mcv_render_defaults();
+        mcv_render_stats stats;
+        mcv_film film;
+        tell_pixels_apart(scene);
+        options.last = MANY;
+        options.depth = DEPTH;
+        options.schedule = schedules[i];
+        options.records = &sink;
+        options.progress = stop_later;
+        options.user = &s;
+        BUILD(mcv_render(scene, 0, &options, &film, &stats, &builder_error));
+        if (s.calls != s.stop_after || !stats.interrupted || film.samples > 0)
+            fail_msg("%u calls, stopped at %u: %sinterrupted, %llu samples", s.calls, s.stop_after,
+                     stats.interrupted ? "" : "not ", (unsigned long long)film.samples);
+        if (stats.paths > 2u << 16)
+            fail_msg("%llu paths in 2 launches", (unsigned long long)stats.paths);
+        mcv_film_free(&film);
+        mcv_scene_free(scene);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_records_are_the_image),
         cmocka_unit_test(test_light_paths_are_recorded),
+        cmocka_unit_test(test_stops_with_a_launch),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
