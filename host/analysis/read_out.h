@@ -25,6 +25,7 @@ typedef struct mcv_camera_settings {
     double speckle_patterns;      /* independent patterns, apart from those of a spectrum */
     double speckle_roughness;     /* standard deviation of the surface's height [m] */
     uint32_t speckle_seed;
+    uint32_t speckle_exposure; /* of a part that moves (analysis/speckle.h) */
     /* The rest; electrons_per_unit and dark_electrons follow from the above. gain 0: the full well
      * is the largest grey value. */
     mcv_camera camera;

@@ -140,6 +140,7 @@ static mcv_result describe(const mcv_camera_settings *settings, const char *path
                                                                    speckle->wavelength,
                                                                    settings->speckle_roughness);
     speckle->seed = settings->speckle_seed;
+    speckle->exposure = settings->speckle_exposure;
     return MCV_OK;
 }
 

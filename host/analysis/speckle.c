@@ -161,7 +161,8 @@ static void draw_row(void *user, size_t row) {
         }
         const double scale = sqrt((double)*e / 2 / (count ? count : 1));
         mcv_noise noise = mcv_noise_begin(s->given->seed, s->pattern, (uint64_t)(e - s->laser));
-        noise.key[1] = 2; /* apart from the noise of exposures and of the fixed pattern */
+        /* Apart from the noise of exposures and of the fixed pattern, 0 and 1, and surfaces, 3. */
+        noise.key[1] = 2 + 4 * s->given->exposure;
         for (int part = 0; part < 2; ++part)
             value[part] = scale * (count ? value[part] : mcv_noise_normal(&noise));
     }

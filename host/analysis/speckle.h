@@ -27,6 +27,7 @@ typedef struct mcv_speckle {
     double polarization;         /* degree of polarisation of the scattered light: 0 … 1 */
     double patterns;             /* M >= 1 */
     uint32_t seed;
+    uint32_t exposure; /* of a part that moves: numbers of the film are others in each */
     const mcv_surface_noise *surface; /* with which n moves: of width x height pixels; or NULL */
 } mcv_speckle;
 

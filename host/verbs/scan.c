@@ -263,6 +263,7 @@ static mcv_camera_settings settings_of(const mcv_scan *s, int run, uint32_t prof
     const mcv_scan_run *r = mcv_scan_runs + run;
     mcv_camera_settings settings = s->camera;
     settings.camera.seed += profile;
+    settings.speckle_exposure = profile; /* several profiles are of a part that moves */
     settings.camera.noise_free = settings.camera.noise_free || !r->noise;
     if (!r->bits) {
         settings.camera.bits = MCV_CAMERA_MAX_BITS;
