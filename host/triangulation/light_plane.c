@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "triangulation/light_plane.h"
 
+#include <float.h>
 #include <lapacke.h>
 #include <math.h>
 #include <string.h>
@@ -53,8 +54,8 @@ bool mcv_light_plane_fit(const double (*points)[3], size_t count, mcv_light_plan
 
 /* --- the laser's axes --- */
 
-mcv_transform mcv_light_plane_turn(const mcv_light_plane *plane, const mcv_camera_model *model,
-                                   const mcv_transform *laser) {
+bool mcv_light_plane_turn(const mcv_light_plane *plane, const mcv_camera_model *model,
+                          const mcv_transform *laser, mcv_transform *turned) {
     const double *m = laser->m, z[3] = {m[2], m[5], m[8]}, origin[3] = {m[9], m[10], m[11]};
     double axes[3][3], seen[3], aside = 0;
     /* R turns the world to the camera: its transpose turns back. */
@@ -69,16 +70,17 @@ mcv_transform mcv_light_plane_turn(const mcv_light_plane *plane, const mcv_camer
     const double out = dot(z, axes[1]);
     for (int i = 0; i < 3; ++i) axes[2][i] = z[i] - out * axes[1][i];
     const double length = sqrt(dot(axes[2], axes[2]));
+    /* Rounding of ε leaves ε/length of its direction: half of the digits here. */
+    if (!(length > sqrt(DBL_EPSILON))) return false;
     for (int i = 0; i < 3; ++i) axes[2][i] /= length;
     mcv_cross3(axes[1], axes[2], axes[0]);
-    mcv_transform turned;
     for (int i = 0; i < 3; ++i) {
-        for (int k = 0; k < 3; ++k) turned.m[3 * i + k] = axes[k][i];
+        for (int k = 0; k < 3; ++k) turned->m[3 * i + k] = axes[k][i];
         /* The plane's own normal, whatever the sign of y. */
         const double normal = model->rotation[i] * plane->normal[0] +
                               model->rotation[3 + i] * plane->normal[1] +
                               model->rotation[6 + i] * plane->normal[2];
-        turned.m[9 + i] = origin[i] - aside * normal;
+        turned->m[9 + i] = origin[i] - aside * normal;
     }
-    return turned;
+    return true;
 }

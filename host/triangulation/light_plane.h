@@ -28,8 +28,10 @@ bool mcv_target_place(const mcv_camera_model *model, const double point[3], cons
  * hundredth of its length. */
 bool mcv_light_plane_fit(const double (*points)[3], size_t count, mcv_light_plane *plane);
 
-/* The laser's node, without scale, turned and shifted so that its x-z plane is this one. */
-mcv_transform mcv_light_plane_turn(const mcv_light_plane *plane, const mcv_camera_model *model,
-                                   const mcv_transform *laser);
+/* The laser's node, without scale, turned and shifted so that its x-z plane is this one. False
+ * where its z axis is the plane's normal within 1.5e-8 rad, so that no axis in the plane is
+ * nearest. */
+bool mcv_light_plane_turn(const mcv_light_plane *plane, const mcv_camera_model *model,
+                          const mcv_transform *laser, mcv_transform *turned);
 
 #endif

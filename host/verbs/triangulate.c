@@ -127,6 +127,17 @@ static mcv_result place_laser(mcv_profiles *p, const mcv_subject *s, mcv_transfo
     return MCV_OK;
 }
 
+/* Into the plane of the calibration. */
+static mcv_result turn_laser(const mcv_profiles *p, const mcv_subject *s, mcv_transform *laser,
+                             mcv_error *error) {
+    const mcv_transform node = *laser;
+    if (mcv_light_plane_turn(&p->plane, &s->model, &node, laser)) return MCV_OK;
+    return mcv_fail(error, MCV_BAD_INPUT,
+                    "%s: lightPlane/normal is the z axis of --laser %s in %s, but the laser shines "
+                    "along z within its plane: take the calibration of this camera and laser",
+                    p->command->calibration, p->command->laser, s->picture->path);
+}
+
 /* The lens has correlated the render's own errors: of what varies slowly across the line, as places
  * do with the values, they have the sum of the correlations in their variance. */
 static void correlate(mcv_readings *r) {
@@ -155,7 +166,7 @@ static mcv_result find_profile(mcv_profiles *p, mcv_subject *s, mcv_error *error
     if (!s->picture->values) read_light(&s->picture->exr, &aperture, &mask, &settings);
     if (c->laser) {
         MCV_TRY(place_laser(p, s, &laser, &frame, error));
-        if (p->calibrated) laser = mcv_light_plane_turn(&p->plane, &s->model, &laser);
+        if (p->calibrated) MCV_TRY(turn_laser(p, s, &laser, error));
         settings.laser = &laser;
         settings.frame = &frame;
     }

@@ -140,6 +140,11 @@ static void test_bad_input(void **state) {
     program_fails("triangulate 0.exr --calibration plane.json", 2, "give --laser NODE");
     program_fails("triangulate 0.exr --laser laser --calibration head.gltf", 3,
                   "head.gltf: is no calibration");
+    /* The world's y axis, along which the laser shines. */
+    write_file("along.json", "{\"lightPlane\": {\"point\": [0, 0, 0.25], \"normal\": "
+                             "[0, 0.5, 0.8660254037844387]}}");
+    program_fails("triangulate 0.exr --laser laser --calibration along.json", 3,
+                  "along.json: lightPlane/normal is the z axis of --laser laser in 0.exr");
     program_fails("triangulate 0.exr 1.exr --calibrate p.json --target plate:y=5mm --calibration "
                   "plane.json",
                   2, "in a call of its own");

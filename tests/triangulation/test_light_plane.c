@@ -6,6 +6,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <string.h>
 
 /* A plane through (0.01, 0.02, 0.3) with the normal (1, 2, 3)/√14, and points of it. */
 static const double at[3] = {0.01, 0.02, 0.3};
@@ -61,7 +62,8 @@ static void test_turn(void **state) {
     const mcv_light_plane plane = {.point = {0.01, 0.02, 0.3},
                                    .normal = {1 / sqrt(14), 2 / sqrt(14), 3 / sqrt(14)}};
     const mcv_transform laser = {{1, 0, 0, 0, 1, 0, 0, 0, 1, 0.1, 0.2, 0.3}};
-    const mcv_transform turned = mcv_light_plane_turn(&plane, &model, &laser);
+    mcv_transform turned;
+    assert_true(mcv_light_plane_turn(&plane, &model, &laser, &turned));
     double y[3] = {0, 0, 0}, off = 0;
     for (int i = 0; i < 3; ++i) {
         double seen = model.translation[i];
@@ -78,11 +80,35 @@ static void test_turn(void **state) {
     assert_true(mcv_transform_determinant(&turned) > 0.999);
 }
 
+/* Where the laser's z axis is the normal, within rounding or the other way, no axis in the plane is
+ * nearest to it; 1e-6 rad beside, one is. */
+static void test_no_turn(void **state) {
+    (void)state;
+    static const struct {
+        double normal[3];
+        bool turns;
+    } cases[] = {{{0, 0, 1}, false},
+                 {{0, 0, -1}, false},
+                 {{0, 4 * DBL_EPSILON, 1}, false},
+                 {{0, 1e-6, 1}, true}};
+    const mcv_camera_model model = {.rotation = {1, 0, 0, 0, 1, 0, 0, 0, 1}};
+    const mcv_transform laser = mcv_transform_identity();
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        mcv_light_plane plane = {.point = {0, 0, 0.3}};
+        mcv_transform turned;
+        memcpy(plane.normal, cases[i].normal, sizeof plane.normal);
+        if (mcv_light_plane_turn(&plane, &model, &laser, &turned) != cases[i].turns)
+            fail_msg("case %zu: turned is %d, expected %d", i, !cases[i].turns, cases[i].turns);
+        if (cases[i].turns && !(turned.m[5] < -0.999999)) fail_msg("z is %g of y", turned.m[5]);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_fit),
         cmocka_unit_test(test_no_plane),
         cmocka_unit_test(test_turn),
+        cmocka_unit_test(test_no_turn),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
