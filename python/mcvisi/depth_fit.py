@@ -3,6 +3,8 @@
 
 from __future__ import annotations
 
+import json
+import operator
 from typing import Any, Callable, Dict, List, Mapping, Sequence, Tuple
 
 import numpy as np
@@ -52,6 +54,32 @@ def _open_cells(attributes: Mapping[str, Any]) -> "np.ndarray[Any, Any]":
     return np.asarray(open_cells / open_cells.sum())
 
 
+def _place(region: Any, shape: Tuple[int, ...]) -> Tuple[slice, slice]:
+    """The region's rows and columns."""
+    try:
+        left, top, width, height = (operator.index(number) for number in region)
+    except (TypeError, ValueError):
+        left = top = width = height = -1
+    if len(shape) != 2 or not (left >= 0 and top >= 0 and width >= 8 and height >= 8):
+        raise UsageError(
+            "depth: region must be X, Y, W, H of at least 8 x 8 pixels, of one channel"
+        )
+    if left + width > shape[1] or top + height > shape[0]:
+        raise UsageError("depth: region reaches beyond the image")
+    return slice(top, top + height), slice(left, left + width)
+
+
+def _check_lens(header: Mapping[str, Any]) -> None:
+    """Blur is of one size in the region only where the film stands straight behind its lens."""
+    lens = json.loads(header.get("mcvisi:cameraModel", "{}")).get("lens", {})
+    for key, value in lens.items():
+        if key != "filmDistance" and value != 0:
+            raise BadInput(
+                "depth: an image's camera has %s %g, which changes the blur over the image: "
+                "use a sensor without tilt and distortion" % (key, value)
+            )
+
+
 class _View:
     """One image's spectrum and noise, and the transfer function of its lens."""
 
@@ -62,22 +90,22 @@ class _View:
                 raise BadInput("depth: an image's header has no %s: use a thinLens sensor" % key)
         if image.error is None:
             raise BadInput("depth: an image states no error: use what `camera` makes, as OpenEXR")
-        left, top, width, height = region
+        _check_lens(header)
         values = np.asarray(image.array, float)
-        if values.ndim != 2 or not (left >= 0 and top >= 0 and width >= 8 and height >= 8):
-            raise UsageError(
-                "depth: region must be X, Y, W, H of at least 8 x 8 pixels, of one channel"
-            )
-        if left + width > values.shape[1] or top + height > values.shape[0]:
-            raise UsageError("depth: region reaches beyond the image")
-        cut = (slice(top, top + height), slice(left, left + width))
+        cut = _place(region, values.shape)
+        height, width = values[cut].shape
         window = np.outer(_window(height), _window(width))
         # Exposures differ: what counts is the texture over its mean.
         mean = np.average(values[cut], weights=window)
+        variance = np.mean(np.asarray(image.error, float)[cut] ** 2)
+        if not (mean > 0 and variance > 0):
+            raise BadInput(
+                "depth: an image has the mean %g and the noise %g in the region: both must be "
+                "above 0, so light the region, and expose with noise" % (mean, variance**0.5)
+            )
         values = values[cut] / mean - 1
         self.spread = height * width * np.sum(window**4) / np.sum(window**2) ** 2
         self.spectrum = np.fft.fft2(values * window)
-        variance = np.mean(np.asarray(image.error, float)[cut] ** 2)
         self.variance = variance / mean**2 * np.sum(window**2)
         self.columns, self.rows = np.fft.fftfreq(width), np.fft.fftfreq(height)
         self.distance = float(header["mcvisi:imageDistance"])
@@ -130,6 +158,10 @@ def best_depth(
     """What mcvisi.depth says."""
     if len(images) < 2:
         raise UsageError("depth: one image tells no depth without its texture: give two or more")
+    if not all(isinstance(end, (int, float, np.number)) for end in (near, far)):
+        raise UsageError(
+            "depth: near %r and far %r must be numbers, in metres: 0.25 for 25 cm" % (near, far)
+        )
     if not 0 < near < far:
         raise UsageError("depth: near and far must be depths before the lens, 0 < near < far")
     views: List[_View] = [_View(image, region) for image in images]

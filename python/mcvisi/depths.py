@@ -27,8 +27,9 @@ def depth(
     uncertainty is that of the noise that the images state, for small errors. misfit is 1 where
     images differ by noise alone.
 
-    region: X, Y, W, H in pixels, wider than the blur. BadInput for images without an error, or of a
-    camera without a lens; UsageError for what does not fit together.
+    region: X, Y, W, H in pixels, wider than the blur. BadInput for images without an error or light,
+    or of a camera without a lens, or with tilt or distortion; UsageError for what does not fit
+    together.
     """
     from mcvisi.depth_fit import best_depth
 

@@ -58,10 +58,10 @@ def wall():
     )
 
 
-def _look(wall, depth, turn, seed):
+def _look(wall, depth, turn, seed, spp=64):
     wall["nodes/camera/translation"] = [0, 0, depth]
     wall["sensors/camera/apertureRotation"] = turn
-    lit = wall.render(spp=64, seed=seed, device="reference", progress=False)
+    lit = wall.render(spp=spp, seed=seed, device="reference", progress=False)
     return lit.camera(expose_to=0.5, lens_mtf="none", seed=seed)
 
 
@@ -109,3 +109,30 @@ def test_what_does_not_fit(wall):
         mv.depth([half, half], (64, 16, 64, 64), 0.25, 0.36)
     with pytest.raises(mv.UsageError, match="0 < near < far"):
         mv.depth([half, half], (16, 16, 64, 64), 0.36, 0.25)
+
+
+def test_what_cannot_be_measured(wall):
+    """A sentence of the package, in place of NaN and plain errors, and of a wrong depth."""
+    half = _look(wall, FOCUS, 0, 1, spp=1)
+    region = (16, 16, 64, 64)
+    with pytest.raises(mv.UsageError, match="near '25cm' and far 0.36 must be numbers"):
+        mv.depth([half, half], region, "25cm", 0.36)
+    for wrong in ((16, 16, 64), "16,16,64,64", (16, 16, 64.5, 64), None):
+        with pytest.raises(mv.UsageError, match="region must be X, Y, W, H"):
+            mv.depth([half, half], wrong, 0.25, 0.36)
+    wall["emitters/wall/radiance"] = 0
+    try:
+        lit = wall.render(spp=1, device="reference", progress=False)
+        dark = lit.camera(electrons_per_unit=1, noise_free=True)
+        with pytest.raises(mv.BadInput, match="has the mean 0 and"):
+            mv.depth([half, dark], region, 0.25, 0.36)
+    finally:
+        wall["emitters/wall/radiance"] = 1
+    for key, value in (("tilt", 0.05), ("k1", 0.1)):
+        wall["sensors/camera/" + key] = value
+        try:
+            turned = _look(wall, FOCUS, 0, 1, spp=1)
+        finally:
+            wall["sensors/camera/" + key] = 0
+        with pytest.raises(mv.BadInput, match="has %s %g" % (key, value)):
+            mv.depth([turned, turned], region, 0.25, 0.36)
