@@ -60,7 +60,8 @@ typedef struct mcv_findings {
  * - outline: meshes whose chords, at an outline in the image, deviate from the curve by more than a
  *   tenth of a pixel
  * - small_defect: defects below two wavelengths, or below a hundredth of a pixel
- * - wavelength: beams of a flying spot scanner at another wavelength than the materials' indices
+ * - wavelength: beams of a flying spot scanner, or lasers as the only light, at another wavelength
+ *   than the materials' indices
  * - growth: silhouettes before a backlight, with the growth of their edges (check/growth.h)
  * - extras: extras of the scene's files, which are ignored
  *

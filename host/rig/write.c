@@ -208,7 +208,8 @@ static double known_middle(const mcv_rig_design *r, int axis) {
 }
 
 static void print_rig(FILE *out, const mcv_rig_design *r, const char *uri) {
-    const bool back = r->light.type == MCV_RIG_LIGHT_BACKLIGHT;
+    const bool back = r->light.type == MCV_RIG_LIGHT_BACKLIGHT,
+               is_laser = r->light.type == MCV_RIG_LIGHT_LASER;
     fprintf(out,
             "{\n  \"asset\": {\"version\": \"2.0\", \"generator\": \"mcvisi new %s\", \"extras\": "
             "{\"note\": \"",
@@ -216,15 +217,20 @@ static void print_rig(FILE *out, const mcv_rig_design *r, const char *uri) {
     print_note(out, r);
     fprintf(out,
             "\"}},\n  \"extensionsUsed\": [\"MCVISI_sensors\", \"MCVISI_emitters\", "
-            "\"MCVISI_assets\", \"MCVISI_pose\"%s],\n",
-            r->material[0] ? ", \"MCVISI_materials\"" : "");
+            "\"MCVISI_assets\", \"MCVISI_pose\"%s%s],\n",
+            r->material[0] ? ", \"MCVISI_materials\"" : "",
+            is_laser ? ", \"MCVISI_spectrum\"" : "");
     fprintf(out, "  \"extensions\": {\n    \"MCVISI_sensors\": {\n      \"sensors\": [\n        ");
     print_sensor(out, r);
     fprintf(out, "\n      ]\n    },\n    \"MCVISI_emitters\": {\n      \"emitters\": [\n        ");
     print_emitter(out, r);
     fprintf(out, "\n      ]\n    },\n    \"MCVISI_assets\": {\n      \"assets\": [\n        ");
     print_asset(out, r, uri);
-    fprintf(out, "\n      ]\n    }\n  },\n");
+    fprintf(out, "\n      ]\n    }");
+    if (is_laser) /* metals and glass have its indices */
+        fprintf(out, ",\n    \"MCVISI_spectrum\": {\"wavelengths\": \"%s\"}",
+                length(MCV_RIG_WAVELENGTH));
+    fprintf(out, "\n  },\n");
     if (r->material[0])
         fprintf(out,
                 "  \"materials\": [\n    {\"name\": \"part\", \"extensions\": "

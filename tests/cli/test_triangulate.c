@@ -168,6 +168,37 @@ static void test_rig(void **state) {
                   "a triangulation head has its laser: leave it out");
 }
 
+/* The rig gives metals the index of its laser's light, in the channels that it has; where a user
+ * changes that, check tells. */
+static void test_wavelength_of_metal(void **state) {
+    (void)state;
+    static const struct {
+        const char *set, *warning; /* NULL: none */
+    } cases[] = {
+        {"", NULL},
+        {"--set spectrum/wavelengths=587.6nm",
+         "the laser has 660 nm, but material \"part\" has the index at 587.6 nm"},
+        {"--set 'spectrum/wavelengths=[\"660nm\",\"549nm\",\"464nm\"]' --set "
+         "'emitters/laser/power=[0.02,0,0]'",
+         NULL},
+        {"--set 'spectrum/wavelengths=[\"660nm\",\"549nm\",\"464nm\"]' --set "
+         "'emitters/laser/power=[0.02,0.02,0]'",
+         "has the index at 549 nm"},
+        {"--set spectrum/wavelengths=587.6nm --set emitters/laser/power=0", NULL},
+    };
+    const double lower[3] = {-15, -8, 0}, upper[3] = {15, 8, 12};
+    write_box_stl("block.stl", lower, upper);
+    program_well("new laser block.stl --unit mm --material gold -o block.gltf");
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        char line[256];
+        snprintf(line, sizeof line, "check block.gltf %s", cases[i].set);
+        program_well(line);
+        const char *words = cases[i].warning ? cases[i].warning : "the laser has";
+        if ((strstr(said, words) != NULL) != (cases[i].warning != NULL))
+            fail_msg("with \"%s\": %s", cases[i].set, said);
+    }
+}
+
 static void test_bad_input(void **state) {
     (void)state;
     program_fails("triangulate 0.exr 1.exr --laser laser", 2, "give --feed D, or --frame NODE");
@@ -189,9 +220,10 @@ static void test_bad_input(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_heights), cmocka_unit_test(test_moving_head),
-        cmocka_unit_test(test_places),  cmocka_unit_test(test_speckle),
-        cmocka_unit_test(test_rig),     cmocka_unit_test(test_bad_input),
+        cmocka_unit_test(test_heights),   cmocka_unit_test(test_moving_head),
+        cmocka_unit_test(test_places),    cmocka_unit_test(test_speckle),
+        cmocka_unit_test(test_rig),       cmocka_unit_test(test_wavelength_of_metal),
+        cmocka_unit_test(test_bad_input),
     };
     return cmocka_run_group_tests(tests, make_images, leave_folder);
 }
