@@ -57,7 +57,7 @@ bool mcv_light_plane_fit(const double (*points)[3], size_t count, mcv_light_plan
 bool mcv_light_plane_turn(const mcv_light_plane *plane, const mcv_camera_model *model,
                           const mcv_transform *laser, mcv_transform *turned) {
     const double *m = laser->m, z[3] = {m[2], m[5], m[8]}, origin[3] = {m[9], m[10], m[11]};
-    double axes[3][3], seen[3], aside = 0;
+    double axes[3][3] = {{0}}, seen[3], aside = 0;
     /* R turns the world to the camera: its transpose turns back. */
     for (int i = 0; i < 3; ++i)
         axes[1][i] = model->rotation[i] * plane->normal[0] +
