@@ -94,8 +94,9 @@ static bool judge_bends(mcv_facets *f, uint32_t triangles) {
             b->kind = kind_of(bends, facet, b->angle);
             f->curved_count += b->kind == MCV_BEND_CURVED;
         }
+    const bool memory = bends != NULL;
     free(bends);
-    return bends;
+    return memory;
 }
 
 void mcv_facets_free(mcv_facets *f) {

@@ -17,7 +17,7 @@
 
 /* Folders are looked at to this depth; the first ones are named by hashes. A compiled kernel has no
  * more bytes than LARGEST_FILE: those of the shipped scenes have up to 0.86 MB. */
-enum { MAX_DEPTH = 8, HASHED = 2, LARGEST_FILE = 1 << 20 };
+enum { MAX_DEPTH = 8, HASHED = 2, LARGEST_FILE = 1 << 20, PIECE = 1 << 14 };
 
 mcv_result mcv_pocl_check(mcv_error *error) {
     const char *folder = getenv("POCL_CACHE_DIR");
@@ -118,15 +118,17 @@ static bool make_folder(char *path) {
 
 /* Writes a file as large as a compiled kernel, and removes it; errno tells why not. */
 static bool takes_files(char *folder) {
-    static char zeros[LARGEST_FILE]; /* const ones would be a megabyte of the program */
+    static const char zeros[PIECE];
     char path[MCV_KERNEL_FOLDER + 16];
     if (!make_folder(folder)) return false;
     snprintf(path, sizeof path, "%s/.mcvisi-XXXXXX", folder);
     const int fd = mkstemp(path);
     if (fd < 0) return false;
     unlink(path);
+    bool written = true;
     errno = ENOSPC;
-    const bool written = write(fd, zeros, sizeof zeros) == (ssize_t)sizeof zeros;
+    for (size_t at = 0; at < LARGEST_FILE && written; at += PIECE)
+        written = write(fd, zeros, PIECE) == PIECE;
     const int why = errno;
     close(fd);
     errno = why;

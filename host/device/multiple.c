@@ -272,7 +272,7 @@ static void fill_twice(void *user, size_t last) {
 bool mcv_multiple_reflection(double alpha, const double *n, const double *k, float *table) {
     surface *work = malloc(sizeof *work);
     float *white = malloc(sizeof *white * COSINES * COSINES * AZIMUTHS);
-    double r[COSINES], more[3];
+    double r[COSINES], more[3] = {0};
     if (work && white) {
         work->alpha = alpha;
         work->table = table;

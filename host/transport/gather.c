@@ -225,7 +225,7 @@ static uint64_t key_of(const mcv_gather *g, const uint32_t *record) {
 
 /* Entries lie anywhere in memory: so many are on their way at the same time. */
 static void fetch(const mcv_gather *g, const uint32_t *records, const uint32_t *end, size_t words) {
-    uint32_t slots[AT_ONCE];
+    uint32_t slots[AT_ONCE] = {0};
     size_t count = 0;
     for (const uint32_t *r = records; r < end; r += words)
         __builtin_prefetch(g->slots + first_slot(g->capacity, key_of(g, r)));

@@ -52,6 +52,11 @@ static mcv_scene *scene_of(uint32_t type, int variant) {
         sensor.as.thin_lens.focalLength = 25e-3;
         sensor.as.thin_lens.focusDistance = 0.3;
         sensor.as.thin_lens.fNumber = 4;
+    } else if (type == MCV_SENSOR_FLYING_SPOT) {
+        sensor.as.flying_spot.wavelength = 660e-9;
+        sensor.as.flying_spot.beamDiameter[0] = sensor.as.flying_spot.beamDiameter[1] = 1e-4;
+        sensor.as.flying_spot.widthMeasure = 1;
+        sensor.as.flying_spot.workingDistance = 0.11;
     } else {
         sensor.as.light_field.focalLength = 25e-3;
         sensor.as.light_field.focusDistance = 0.3;
@@ -62,9 +67,10 @@ static mcv_scene *scene_of(uint32_t type, int variant) {
     }
     memcpy(resolution, (const uint32_t[2]){40, 30}, 2 * sizeof *resolution);
     memcpy(pixel, (const double[2]){5e-6, 4e-6}, 2 * sizeof *pixel);
+    const bool scans = type == MCV_SENSOR_FLYING_SPOT;
     if (variant == READ_OUT) {
         memcpy(region, (const uint32_t[4]){6, 4, 24, 16}, 4 * sizeof *region);
-        memcpy(binning, (const uint32_t[2]){2, 4}, 2 * sizeof *binning);
+        if (!scans) memcpy(binning, (const uint32_t[2]){2, 4}, 2 * sizeof *binning);
         memcpy(principal, (const double[2]){17.3, 41.9}, 2 * sizeof *principal);
     }
     add_sensor(scene, type, &sensor, looking((const double[3]){0.01, 0.2, -0.13}, forward, up));
@@ -94,22 +100,25 @@ static void expect_seen(const mcv_camera_model *model, const ref_sensor_ray *sig
 /*
  * Points on chief rays, at any depth; and points in the plane in focus, on rays through all of the
  * pupil. A light field camera's rays of one macro pixel all look at its middle; of binned ones at
- * that of the one that the samples choose.
+ * that of the one that the samples choose. The axis of a flying spot's beam is the ray of the
+ * numbers 0; its other rays lie about it.
  */
 static void check_projection(uint32_t type, int variant) {
     char what[64];
     mcv_camera_model model;
     mcv_scene *scene = scene_of(type, variant);
     const mcv_sensor *sensor = scene->sensors;
-    const bool light_field = type == MCV_SENSOR_LIGHT_FIELD;
+    const bool light_field = type == MCV_SENSOR_LIGHT_FIELD, scans = type == MCV_SENSOR_FLYING_SPOT;
     BUILD(mcv_camera_model_of(scene, sensor, &model, &builder_error));
     const mcv_readout readout = mcv_sensor_readout(sensor);
     snprintf(what, sizeof what, "%s, variant %d", mcv_sensor_types[type], variant);
     for (int i = 0; i < 1000; ++i) {
         const uint32_t column = (uint32_t)(uniform() * model.size[0]),
                        row = (uint32_t)(uniform() * model.size[1]);
-        const double x = uniform(), y = uniform(), u = uniform(), v = uniform();
+        const double x = scans ? 0 : uniform(), y = uniform(), u = scans ? 0 : uniform(),
+                     v = uniform();
         double seen[2] = {column + x, row + y};
+        if (scans) seen[0] = column + 0.5, seen[1] = row + 0.5;
         if (light_field) {
             seen[0] = 5 * (column / 5 + (floor(u * readout.binning[0]) + 0.5) / readout.binning[0]);
             seen[1] = 3 * (row / 3 + (floor(v * readout.binning[1]) + 0.5) / readout.binning[1]);
