@@ -86,7 +86,7 @@ def test_refused(images, tmp_path):
         (grey, {"window": 4}, "must be odd"),
         (grey, {"extractor": "best"}, "extractor"),
         (grey, {"output": tmp_path / "z.txt"}, "must end in .csv, .exr, .npz or .ply"),
-        (images, {}, "give --feed D, or --frame NODE"),
+        (images, {}, "give feed D, or frame NODE"),
     ):
         with pytest.raises(mv.UsageError, match=sentence):
             mv.triangulate(given, "laser", **options)
