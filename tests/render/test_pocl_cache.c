@@ -101,7 +101,7 @@ static void test_folder_that_takes_no_files(void **state) {
     setenv("HOME", "/dev/null", 1);
     unsetenv("XDG_CACHE_HOME");
     if (program(render) != 0) program_fails(render, 4, "let POCL_CACHE_DIR name a folder");
-    setenv("HOME", home, 1);
+    if (home) setenv("HOME", home, 1);
     free(home);
 }
 
@@ -110,8 +110,9 @@ static void test_folder_that_takes_no_files(void **state) {
 static void test_files_of_others(void **state) {
     (void)state;
     static const char of_pocl[] = "cache/AB/" HASH "/other.so";
+    /* NOLINTNEXTLINE(bugprone-suspicious-missing-comma) */
     static const char *const kept[] = {"tempfile_a1b2c3.so", "libc.so", "lib/libm.so", "AB/libm.so",
-                                       "lib/" HASH "/libm.so"};
+                                       ("lib/" HASH "/libm.so")};
     char path[256];
     assert_int_equal(system("mkdir -p cache/lib/" HASH " cache/AB/" HASH), 0);
     for (size_t i = 0; i < sizeof kept / sizeof *kept; ++i) {
