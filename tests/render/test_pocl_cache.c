@@ -97,7 +97,8 @@ static void test_folder_that_takes_no_files(void **state) {
     if (program(render) != 0)
         program_fails("devices", 4, "into the folder \"/proc/nowhere\": No such file or directory");
     unsetenv("POCL_CACHE_DIR");
-    char *home = strdup(getenv("HOME") ? getenv("HOME") : "");
+    const char *was = getenv("HOME");
+    char *home = strdup(was ? was : "");
     setenv("HOME", "/dev/null", 1);
     unsetenv("XDG_CACHE_HOME");
     if (program(render) != 0) program_fails(render, 4, "let POCL_CACHE_DIR name a folder");
