@@ -66,58 +66,61 @@ mcv_result mcv_find_thin_body(const mcv_scene *scene, mcv_findings *findings, mc
 
 /* --- flat_glass, rounded_edge --- */
 
-/* The bends of a kind whose normals have a step, or none, and the largest of them [rad]. */
-static uint32_t count_bends(const mcv_facets *f, mcv_bend_kind kind, bool faceted, double least,
-                            double *most) {
-    uint32_t count = 0;
-    *most = 0;
-    for (size_t k = 0; k < f->bend_count; ++k) {
-        const mcv_bend *b = f->bends + k;
+/* Bends of one kind on a body of glass. */
+typedef struct bends {
+    uint32_t count;
+    double most;   /* the largest angle [rad] */
+    double crease; /* the crease angle that fits the body [degrees] */
+} bends;
+
+/* Those whose normals have a step, or none, from an angle on; none of a body that is not glass. */
+static mcv_result find_bends(const mcv_scene *scene, uint32_t instance, mcv_bend_kind kind,
+                             bool faceted, double least, bends *found, mcv_error *error) {
+    mcv_facets f;
+    *found = (bends){0};
+    if (material_of(scene, instance)->type != MCV_MATERIAL_DIELECTRIC) return MCV_OK;
+    MCV_TRY(mcv_facets_of(scene, instance, &f, error));
+    for (size_t k = 0; k < f.bend_count; ++k) {
+        const mcv_bend *b = f.bends + k;
         if (b->kind != kind || b->faceted != faceted || b->angle < least) continue;
-        ++count;
-        *most = fmax(*most, b->angle);
+        ++found->count;
+        found->most = fmax(found->most, b->angle);
     }
-    return count;
+    found->crease = mcv_crease_degrees(mcv_facets_range(&f));
+    mcv_facets_free(&f);
+    return MCV_OK;
 }
 
 mcv_result mcv_find_flat_glass(const mcv_scene *scene, mcv_findings *findings, mcv_error *error) {
     for (uint32_t i = 0; i < scene->instance_count; ++i) {
-        mcv_facets f;
-        double most;
+        bends faceted;
         char label[MCV_LABEL];
-        if (material_of(scene, i)->type != MCV_MATERIAL_DIELECTRIC) continue;
-        MCV_TRY(mcv_facets_of(scene, i, &f, error));
-        const uint32_t faceted = count_bends(&f, MCV_BEND_CURVED, true, 0, &most);
-        const double crease = mcv_crease_degrees(mcv_facets_range(&f));
-        mcv_facets_free(&f);
-        if (faceted < MCV_LEAST_BENDS) continue;
+        MCV_TRY(find_bends(scene, i, MCV_BEND_CURVED, true, 0, &faceted, error));
+        if (faceted.count < MCV_LEAST_BENDS) continue;
         MCV_TRY(mcv_findings_add(
             findings, MCV_SEVERITY_WARNING, "nodes", scene->instances[i].name, NULL, error,
             "%s is curved glass made of flat facets, with angles of up to %.3g degrees at %u "
             "edges: it refracts like many prisms, not like a lens; give its asset "
             "\"creaseAngle\": \"%gdeg\", or export a .glb with vertex normals (shade smooth)",
-            mcv_instance_label(scene, i, label), most * 180 / M_PI, faceted, crease));
+            mcv_instance_label(scene, i, label), faceted.most * 180 / M_PI, faceted.count,
+            faceted.crease));
     }
     return MCV_OK;
 }
 
 mcv_result mcv_find_rounded_edge(const mcv_scene *scene, mcv_findings *findings, mcv_error *error) {
     for (uint32_t i = 0; i < scene->instance_count; ++i) {
-        mcv_facets f;
-        double most;
+        bends rounded;
         char label[MCV_LABEL];
-        if (material_of(scene, i)->type != MCV_MATERIAL_DIELECTRIC) continue;
-        MCV_TRY(mcv_facets_of(scene, i, &f, error));
-        const uint32_t rounded = count_bends(&f, MCV_BEND_EDGE, false, mcv_least_edge, &most);
-        const double crease = mcv_crease_degrees(mcv_facets_range(&f));
-        mcv_facets_free(&f);
-        if (rounded < MCV_LEAST_BENDS) continue;
+        MCV_TRY(find_bends(scene, i, MCV_BEND_EDGE, false, mcv_least_edge, &rounded, error));
+        if (rounded.count < MCV_LEAST_BENDS) continue;
         MCV_TRY(mcv_findings_add(
             findings, MCV_SEVERITY_WARNING, "nodes", scene->instances[i].name, NULL, error,
             "the normals of %s round %u of its edges, which are bent by up to %.3g degrees: flat "
             "faces beside them refract like lenses; give its asset \"creaseAngle\": \"%gdeg\", or "
             "export a .glb whose normals part at edges",
-            mcv_instance_label(scene, i, label), rounded, most * 180 / M_PI, crease));
+            mcv_instance_label(scene, i, label), rounded.count, rounded.most * 180 / M_PI,
+            rounded.crease));
     }
     return MCV_OK;
 }

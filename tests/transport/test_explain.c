@@ -1,5 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Routes of the light in a pixel: shares with closed forms, and their words. */
+#include "facing_rig.h"
 #include "transport.h"
 
 #include <jansson.h>
@@ -241,25 +242,10 @@ static void test_value_is_the_render(void **state) {
     mcv_session_close(session);
 }
 
-/* The projector of test_transport.c before a telecentric camera: pixel (5, 4) sees 0 to 0.5 mm, of
- * which the projector's column 3 covers 0.3 mm and column 4 the rest; row 2 covers all. */
-static const char facing_rig[] =
-    "{\"asset\": {\"version\": \"2.0\"}, \"scene\": 0, \"scenes\": [{\"nodes\": [0, 1]}],"
-    " \"extensions\": {\"MCVISI_sensors\": {\"sensors\": [{\"name\": \"camera\","
-    " \"type\": \"telecentric\", \"magnification\": 0.1, \"workingDistance\": \"100mm\","
-    " \"fNumber\": 16, \"resolution\": [12, 10], \"pixelSize\": \"50um\"}]},"
-    " \"MCVISI_emitters\": {\"emitters\": [{\"name\": \"projector\","
-    " \"type\": \"telecentricProjector\", \"size\": [\"6mm\", \"5mm\"], \"halfAngle\": \"10deg\","
-    " \"radiance\": 1, \"image\": \"picture\"}]}},"
-    " \"images\": [{\"name\": \"picture\", \"uri\": \"transport-grey.png\"}],"
-    " \"nodes\": [{\"name\": \"camera\", \"rotation\": [0, 1, 0, 0],"
-    "   \"translation\": [0, 0, -0.1],"
-    "   \"extensions\": {\"MCVISI_sensors\": {\"sensor\": 0}}},"
-    "  {\"name\": \"projector\", \"translation\": [0.0003, -0.0002, 0],"
-    "   \"extensions\": {\"MCVISI_emitters\": {\"emitter\": 0}}}]}";
-
-/* The pixel of the projector that lights most of the pixel, with its share: 0.6 of 16384 random
- * places, whose standard error is 0.0038; four and a half of these. */
+/* Pixel (5, 4) of the facing rig sees 0 to 0.5 mm. The projector's column 3 covers 0.3 mm of that,
+ * column 4 the rest, and row 2 all. The pixel of the projector that lights most of the pixel, with
+ * its share: 0.6 of 16384 random places, whose standard error is 0.0038; four and a half of these.
+ */
 static void test_pixel_of_a_projector(void **state) {
     (void)state;
     write_grey(8, 6);
