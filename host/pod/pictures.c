@@ -76,7 +76,7 @@ static mcv_result load_flawless(const shown *s, const mcv_set_texts texts, mcv_s
     const mcv_experiment *e = s->sweep->experiment;
     const size_t most = e->set.count + s->sweep->plan.count;
     const char **items = malloc((most + 1) * sizeof *items);
-    assert(e->document); /* an experiment without scene renders nothing */
+    assert(e->document); /* else s->flawless is NULL, has no defects, and nobody asks */
     mcv_document document = *e->document;
     size_t count = 0;
     if (!items) return mcv_fail(error, MCV_FAILED, "no memory for a set of parameters");
