@@ -3,7 +3,6 @@
 
 #include "core/json.h"
 
-#include <ctype.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -35,6 +34,9 @@ static const char *const circle_figures[] = {MCV_CIRCLE_METRICS(MCV_X) "radius_l
                                              "line_distance",
                                              "line_length"};
 #undef MCV_X
+
+/* Of a region, too: how well its pixels tell a parameter. */
+static const char bound_figure[] = "bound";
 
 #define COUNT_OF(list) (sizeof(list) / sizeof((list)[0]))
 
@@ -83,6 +85,7 @@ static mcv_result fail_figure(const char *name, const char *figure, mcv_error *e
     char list[1024] = "";
     for (size_t i = 0; i < COUNT_OF(region_figures); ++i) words[count++] = region_figures[i];
     for (size_t i = 0; i < COUNT_OF(contrast_figures); ++i) words[count++] = contrast_figures[i];
+    words[count++] = bound_figure;
     for (unsigned f = 0; f < MCV_FORM_COUNT; ++f)
         for (size_t i = 0; i < forms[f].figure_count; ++i)
             if (!is_in(forms[f].figures[i], words, count)) words[count++] = forms[f].figures[i];
@@ -166,14 +169,20 @@ static mcv_result choose(const mcv_places *places, const char *name, choice *out
     *out = (choice){.form = MCV_FORM_COUNT};
     snprintf(out->figure, sizeof out->figure, "%s", dot ? dot + 1 : name);
     const bool contrast = is_in(out->figure, contrast_figures, COUNT_OF(contrast_figures));
+    const bool bound = strcmp(out->figure, bound_figure) == 0;
     bool boxed = false;
     for (unsigned f = 0; f < MCV_FORM_COUNT; ++f)
         boxed = boxed || is_in(out->figure, forms[f].figures, forms[f].figure_count);
-    if (!contrast && !boxed && !is_in(out->figure, region_figures, COUNT_OF(region_figures)))
+    if (!contrast && !bound && !boxed &&
+        !is_in(out->figure, region_figures, COUNT_OF(region_figures)))
         return fail_figure(name, out->figure, error);
     if (contrast && !places->background)
         return mcv_fail(error, MCV_USAGE,
                         "metric %s: give --background, the region to compare with", name);
+    if (bound && !places->bound)
+        return mcv_fail(error, MCV_USAGE,
+                        "metric %s: give --bound PATH=STEP, the parameter and a small step of it",
+                        name);
     if (!boxed) {
         if (dot && !find_named(places->regions, name, (size_t)(dot - name), &out->index))
             return mcv_fail(error, MCV_USAGE,
@@ -199,44 +208,6 @@ mcv_result mcv_metric_known(void *user, const char *name, mcv_quantity *quantity
     return choose(user, name, &chosen, error);
 }
 
-/* --- units --- */
-
-static const char *figure_unit(const char *figure, size_t length) {
-    static const struct {
-        const char *name, *unit;
-    } figures[] = {
-#define MCV_X(member, name, unit) {name, unit},
-        MCV_REGION_METRICS(MCV_X) MCV_CONTRAST_METRICS(MCV_X) MCV_EDGE_METRICS(MCV_X)
-            MCV_LINE_METRICS(MCV_X) MCV_CALIPER_METRICS(MCV_X) MCV_CIRCLE_METRICS(MCV_X)
-#undef MCV_X
-                {"mtf50", "cycles/pixel"},
-        {"distance", "pixels"},
-        {"line_distance", "pixels"},
-    };
-    static const char in_metres[] = "length";
-    const size_t ending = sizeof in_metres - 1;
-    if (length >= ending && strncmp(figure + length - ending, in_metres, ending) == 0) return "m";
-    for (size_t i = 0; i < COUNT_OF(figures); ++i)
-        if (strlen(figures[i].name) == length && strncmp(figures[i].name, figure, length) == 0)
-            return figures[i].unit;
-    return "";
-}
-
-const char *mcv_metric_unit(const char *expression) {
-    size_t length = strlen(expression);
-    const bool wrapped =
-        length > 3 && strncmp(expression, "u(", 2) == 0 && expression[length - 1] == ')';
-    if (wrapped) {
-        expression += 2;
-        length -= 3;
-    }
-    size_t begin = length;
-    for (size_t i = 0; i < length; ++i)
-        if (!isalnum((unsigned char)expression[i]) && !strchr("._", expression[i])) return "";
-    while (begin > 0 && expression[begin - 1] != '.') --begin;
-    return figure_unit(expression + begin, length - begin);
-}
-
 /* --- figures --- */
 
 static void know_noise(mcv_metrics *m, mcv_roi *region) {
@@ -250,6 +221,23 @@ void mcv_samples_words(double samples, char words[160]) {
              samples);
 }
 
+/* The Cramér-Rao bound: the step over the deviations by which it is seen. */
+static mcv_result measure_bound(const mcv_metrics *m, const mcv_roi *region, mcv_quantity *quantity,
+                                mcv_error *error) {
+    mcv_pairs pairs = m->pairs->pairs;
+    mcv_detection found;
+    pairs.inside = region->inside;
+    MCV_TRY(mcv_detect(&pairs, &m->pairs->camera, 0, NULL, &found, error));
+    if (!(found.low > 0))
+        return mcv_fail(error, MCV_FAILED,
+                        "metric %s: the render's noise hides the step of --bound: render more "
+                        "samples, or take a larger step",
+                        bound_figure);
+    quantity->value = m->step / found.detectability;
+    quantity->uncertainty = quantity->value * found.squared.uncertainty / (2 * found.squared.value);
+    return MCV_OK;
+}
+
 static mcv_result measure_region(mcv_metrics *m, const choice *chosen, mcv_quantity *quantity,
                                  mcv_error *error) {
     const mcv_places *places = m->places;
@@ -259,6 +247,11 @@ static mcv_result measure_region(mcv_metrics *m, const choice *chosen, mcv_quant
     snprintf(all, sizeof all, "image=0,0,%u,%u", image->width, image->height);
     const char *text = places->regions.count ? places->regions.items[chosen->index] : all;
     MCV_TRY(mcv_roi_parse(text, chosen->index + 1, image, &region, error));
+    if (strcmp(chosen->figure, bound_figure) == 0) {
+        const mcv_result result = measure_bound(m, &region, quantity, error);
+        mcv_roi_free(&region);
+        return result;
+    }
     if (places->background) {
         const mcv_result result = mcv_roi_parse(places->background, 0, image, &background, error);
         if (result != MCV_OK) mcv_roi_free(&region);

@@ -5,6 +5,7 @@
 #define MCVISI_HOST_ANALYSIS_METRICS_H
 
 #include "analysis/found.h"
+#include "analysis/light_pairs.h"
 
 /* As a unit: that of the image's values. */
 #define MCV_UNIT_OF_VALUES "values"
@@ -46,21 +47,24 @@
 
 /* One image, and where to measure in it. */
 typedef struct mcv_metrics {
-    const mcv_places *places; /* as pixels */
-    mcv_readings readings;    /* owned */
-    bool known;               /* the readings' deviations, from elsewhere than the values */
-    bool whole;               /* values are whole numbers */
-    double pixel[2];          /* width and height in the object plane [m], 0: not known */
+    const mcv_places *places;     /* as pixels */
+    mcv_readings readings;        /* owned */
+    bool known;                   /* the readings' deviations, from elsewhere than the values */
+    bool whole;                   /* values are whole numbers */
+    const mcv_light_pairs *pairs; /* with a step of a parameter, and without; or NULL */
+    double step;                  /* of that parameter */
+    double pixel[2];              /* width and height in the object plane [m], 0: not known */
 } mcv_metrics;
 
 /*
  * A figure by its name: NAME.FIGURE of a region or of what is found in a box, or FIGURE alone of
- * the first that has it; without a region the whole image. Besides those above: mtf50 and
- * mtf_at_nyquist of edges; figures in pixels that have a length have it as …_length; distance and
- * length from the first edge or line to another, or from the first circle or arc to another;
- * line_distance and line_length from the first edge or line to a circle or arc. An mcv_lookup whose
- * user is the mcv_metrics. MCV_USAGE for an unknown name, which lists what there is; MCV_FAILED
- * where nothing is found.
+ * the first that has it; without a region the whole image. `bound` of a region is the least
+ * standard uncertainty with which its pixels tell the parameter that differs between the pairs.
+ * Besides those above: mtf50 and mtf_at_nyquist of edges; figures in pixels that have a length have
+ * it as …_length; distance and length from the first edge or line to another, or from the first
+ * circle or arc to another; line_distance and line_length from the first edge or line to a circle
+ * or arc. An mcv_lookup whose user is the mcv_metrics. MCV_USAGE for an unknown name, which lists
+ * what there is; MCV_FAILED where nothing is found.
  */
 mcv_result mcv_metric_look_up(void *user, const char *name, mcv_quantity *quantity,
                               mcv_error *error);

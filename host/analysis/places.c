@@ -32,7 +32,7 @@ mcv_result mcv_places_resolve(const mcv_places *given, const mcv_camera_model *m
 #undef MCV_X
     };
     char *background = NULL;
-    *resolved = (mcv_places){.background = NULL};
+    *resolved = (mcv_places){.bound = given->bound};
     if (given->background)
         MCV_TRY(
             mcv_part_place_resolve("--background", given->background, model, &background, error));

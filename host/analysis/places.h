@@ -26,6 +26,7 @@ typedef struct mcv_places {
     mcv_texts regions;
     const char *background; /* the region that the others stand out of, or NULL */
     mcv_texts boxes[MCV_FORM_COUNT];
+    bool bound; /* the figure `bound` is known */
 } mcv_places;
 
 /* How many boxes there are, of all forms. */

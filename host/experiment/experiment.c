@@ -80,6 +80,23 @@ static mcv_result plan_files(mcv_sweep *s, mcv_error *error) {
     return MCV_OK;
 }
 
+/* The bound of a parameter takes a second render, with the noise of a camera. */
+static mcv_result plan_bound(mcv_sweep *s, mcv_error *error) {
+    const mcv_experiment *e = s->experiment;
+    const char *item = e->measuring.bound;
+    if (!mcv_camera_wanted(&e->measuring.camera))
+        return mcv_fail(error, MCV_USAGE,
+                        "--bound %s: is against the noise of a camera: give its exposure, as by "
+                        "--expose-to 0.8",
+                        item);
+    if (e->render.replicates < 2 || e->measuring.until.count || e->measuring.in_gradient)
+        return mcv_fail(error, MCV_USAGE,
+                        "--bound %s: takes two whole renders with --replicates 2 or more: leave "
+                        "out --until and --in",
+                        item);
+    return mcv_bound_read(item, &s->plan, e->document, e->set, &s->measurement.bound, error);
+}
+
 mcv_result mcv_experiment_plan(const mcv_experiment *e, mcv_sweep *s, mcv_error *error) {
     *s = (mcv_sweep){.experiment = e, .table = {.descriptor = -1}};
     if (mcv_camera_wanted(&e->measuring.camera))
@@ -89,6 +106,7 @@ mcv_result mcv_experiment_plan(const mcv_experiment *e, mcv_sweep *s, mcv_error 
                         "--until needs uncertainties: give --replicates 2 or more");
     MCV_TRY(mcv_plan_parameters(&e->variation, &s->plan, error));
     MCV_TRY(mcv_measurement_read(&e->measuring, &s->measurement, error));
+    if (e->measuring.bound) MCV_TRY(plan_bound(s, error));
     MCV_TRY(mcv_plan_sets(&e->variation, &s->plan, error));
     if (e->own_noise) MCV_TRY(mcv_set_seeds(s, error));
     s->done = calloc(s->plan.set_count, sizeof *s->done);

@@ -181,13 +181,18 @@ static mcv_result find_places(const mcv_measuring *asked, const mcv_scene *scene
 }
 
 mcv_result mcv_measurement_take(const mcv_measurement *measurement, const mcv_scene *scene,
-                                uint32_t sensor, const mcv_film *film, double *numbers,
-                                mcv_error *error) {
+                                uint32_t sensor, const mcv_film *film, const mcv_film *stepped,
+                                double *numbers, mcv_error *error) {
     const mcv_measuring *asked = measurement->asked;
     mcv_metrics m;
     mcv_places resolved = {.background = NULL};
     mcv_result result = take_readings(asked, scene, sensor, film, &m, error);
     if (result == MCV_OK) result = find_places(asked, scene, sensor, &m, &resolved, error);
+    mcv_light_pairs pairs = {.lens = ""};
+    if (result == MCV_OK && stepped)
+        result = mcv_bound_pairs(&asked->camera, scene, sensor, film, stepped, &pairs, error);
+    m.pairs = &pairs;
+    m.step = measurement->bound.step;
     const bool taken = result == MCV_OK;
     for (size_t i = 0; i < measurement->count; ++i) {
         mcv_quantity value = {NAN, NAN};
@@ -201,6 +206,7 @@ mcv_result mcv_measurement_take(const mcv_measurement *measurement, const mcv_sc
         numbers[2 * i + 1] = one == MCV_OK ? value.uncertainty : NAN;
         if (one != MCV_OK && result == MCV_OK) result = mcv_fail(error, one, "%s", why.text);
     }
+    mcv_light_pairs_free(&pairs);
     mcv_places_free(&resolved);
     mcv_image_free(&m.readings.values);
     mcv_image_free(&m.readings.deviation);
@@ -212,7 +218,7 @@ bool mcv_measurement_suffices(const mcv_measurement *measurement, const mcv_scen
                               uint32_t sensor, const mcv_film *film) {
     double numbers[2 * MCV_METRICS];
     mcv_error ignored;
-    if (mcv_measurement_take(measurement, scene, sensor, film, numbers, &ignored) != MCV_OK)
+    if (mcv_measurement_take(measurement, scene, sensor, film, NULL, numbers, &ignored) != MCV_OK)
         return false;
     for (size_t i = 0; i < measurement->count; ++i)
         if (measurement->metrics[i].until > 0 &&

@@ -7,11 +7,13 @@
 #include "analysis/emd.h"
 #include "analysis/places.h"
 #include "analysis/read_out.h"
+#include "experiment/bound.h"
 
 /* The requested measurements. */
 typedef struct mcv_measuring {
     mcv_texts metrics;          /* "[NAME:=]EXPR", a name like a metric's or an expression */
     mcv_texts until;            /* "NAME=U": render until the metric's standard uncertainty is U */
+    const char *bound;          /* "PATH=STEP" (experiment/bound.h), or NULL */
     const char *best;           /* "NAME=largest|smallest": what the best set has, or NULL */
     mcv_places places;          /* as given: in pixels, or on the part */
     mcv_camera_settings camera; /* if given, grey values are measured, else light */
@@ -36,6 +38,7 @@ enum { MCV_METRICS = 32 };
 /* The texts are borrowed. */
 typedef struct mcv_measurement {
     const mcv_measuring *asked;
+    mcv_bound bound;
     mcv_metric metrics[MCV_METRICS];
     size_t count;
     size_t best;       /* the metric that tells the best set; count: none */
@@ -56,13 +59,14 @@ mcv_result mcv_measurement_read_goal(const char *option, const char *item,
                                      bool *largest, mcv_error *error);
 
 /*
- * Measures in the current image of a sensor's film. `numbers` gets value and standard uncertainty
- * of each metric, NaN for those that fail and those that programs decide; the result is that of the
- * first failure. If the image cannot be measured at all, all fail.
+ * Measures in the current image of a sensor's film. `stepped`: that of the second render of a
+ * bound, or NULL. `numbers` gets value and standard uncertainty of each metric, NaN for those that
+ * fail and those that programs decide; the result is that of the first failure. If the image cannot
+ * be measured at all, all fail.
  */
 mcv_result mcv_measurement_take(const mcv_measurement *measurement, const mcv_scene *scene,
-                                uint32_t sensor, const mcv_film *film, double *numbers,
-                                mcv_error *error);
+                                uint32_t sensor, const mcv_film *film, const mcv_film *stepped,
+                                double *numbers, mcv_error *error);
 
 /* Is the uncertainty of every metric at or below its limit? */
 bool mcv_measurement_suffices(const mcv_measurement *measurement, const mcv_scene *scene,

@@ -12,11 +12,12 @@
 #include <stdlib.h>
 #include <string.h>
 
-mcv_result mcv_load_set(const mcv_sweep *s, const double *numbers, mcv_set_texts texts,
-                        mcv_scene **scene, mcv_error *error) {
+/* `last`: an override after those of the set, or NULL. */
+static mcv_result load_set(const mcv_sweep *s, const double *numbers, mcv_set_texts texts,
+                           const char *last, mcv_scene **scene, mcv_error *error) {
     const mcv_overrides given = s->experiment->set;
     const mcv_plan *plan = &s->plan;
-    const char **items = malloc((given.count + plan->count + 1) * sizeof *items);
+    const char **items = malloc((given.count + plan->count + 2) * sizeof *items);
     if (!items) {
         mcv_fail(error, MCV_FAILED, "no memory for a set of parameters");
         return MCV_FAILED;
@@ -30,9 +31,15 @@ mcv_result mcv_load_set(const mcv_sweep *s, const double *numbers, mcv_set_texts
                  mcv_parameter_text(p, numbers[i], 17, value));
         if (!mcv_judge_has(p)) items[count++] = texts[i];
     }
+    if (last) items[count++] = last;
     const mcv_result result = mcv_experiment_load(s, (mcv_overrides){items, count}, scene, error);
     free(items);
     return result;
+}
+
+mcv_result mcv_load_set(const mcv_sweep *s, const double *numbers, mcv_set_texts texts,
+                        mcv_scene **scene, mcv_error *error) {
+    return load_set(s, numbers, texts, NULL, scene, error);
 }
 
 static mcv_result interrupted(const mcv_sweep *s) {
@@ -119,8 +126,8 @@ static mcv_result keep_image(const mcv_sweep *s, const set_at_work *w, size_t se
 }
 
 static mcv_result measure(const mcv_sweep *s, const set_at_work *w, size_t set,
-                          const mcv_film *film, const mcv_set_texts texts, double *row,
-                          mcv_error *error) {
+                          const mcv_film *film, const mcv_film *stepped, const mcv_set_texts texts,
+                          double *row, mcv_error *error) {
     const mcv_table *table = &s->table;
     const mcv_result stopped = interrupted(s);
     if (stopped != MCV_OK) return mcv_fail(error, stopped, "interrupted");
@@ -128,7 +135,8 @@ static mcv_result measure(const mcv_sweep *s, const set_at_work *w, size_t set,
     row[mcv_row_fixed(table, MCV_ROW_ERROR)] = mcv_film_relative_error(film);
     MCV_TRY(keep_image(s, w, set, film, texts, error));
     return mcv_measurement_take(&w->measurement, w->scene, w->sensor, film,
-                                row + mcv_row_metric(table, 0), error);
+                                stepped->sums ? stepped : NULL, row + mcv_row_metric(table, 0),
+                                error);
 }
 
 /* What tells renders apart: the parameters of the scene, and the seed where sets have their own. */
@@ -163,9 +171,26 @@ static void take_seed(set_at_work *w, size_t set) {
     w->measurement.asked = &w->measuring;
 }
 
+/* The film of the set with a step of the parameter whose bound is wanted. */
+static mcv_result render_stepped(mcv_sweep *s, const set_at_work *work, const double *row,
+                                 mcv_film *film, mcv_error *error) {
+    mcv_set_texts texts;
+    char last[512];
+    mcv_scene *scene = NULL;
+    set_at_work w = *work;
+    if (!s->experiment->measuring.bound) return MCV_OK;
+    mcv_bound_override(&s->measurement.bound, row, last);
+    MCV_TRY(load_set(s, row, texts, last, &scene, error));
+    w.scene = scene;
+    mcv_result result = mcv_set_sensor(s->experiment, scene, &w.sensor, error);
+    if (result == MCV_OK) result = render(s, &w, film, error);
+    mcv_scene_free(scene);
+    return result;
+}
+
 static mcv_result try_set(mcv_sweep *s, size_t set, double *row, mcv_error *error) {
     mcv_set_texts texts;
-    mcv_film film = {0};
+    mcv_film film = {0}, stepped = {0};
     mcv_scene *scene = NULL;
     set_at_work w = {.sweep = s};
     take_seed(&w, set);
@@ -177,9 +202,11 @@ static mcv_result try_set(mcv_sweep *s, size_t set, double *row, mcv_error *erro
     w.scene = scene;
     mcv_result result = mcv_set_sensor(s->experiment, scene, &w.sensor, error);
     if (result == MCV_OK) result = render(s, &w, &film, error);
-    if (result == MCV_OK) result = measure(s, &w, set, &film, texts, row, error);
+    if (result == MCV_OK) result = render_stepped(s, &w, row, &stepped, error);
+    if (result == MCV_OK) result = measure(s, &w, set, &film, &stepped, texts, row, error);
     if (result == MCV_OK && s->judge) result = decide(s, &w, set, &film, row, error);
     mcv_film_free(&film);
+    mcv_film_free(&stepped);
     mcv_scene_free(scene);
     return result;
 }

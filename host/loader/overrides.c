@@ -361,6 +361,23 @@ mcv_result mcv_overrides_find(const char *path, json_t *root, const mcv_json_pat
     return result;
 }
 
+mcv_result mcv_overrides_number(const char *path, mcv_overrides overrides,
+                                const mcv_document *document, double *number, mcv_error *error) {
+    const mcv_json_path place = mcv_place_file(document->path);
+    const json_t *found = NULL;
+    json_t *root = json_deep_copy(document->root);
+    mcv_result result =
+        root ? mcv_overrides_apply(overrides, root, &place, error) : mcv_fail_memory(&place, error);
+    if (result == MCV_OK) result = mcv_overrides_find(path, root, &place, &found, error);
+    *number = json_number_value(found);
+    if (result == MCV_OK && !json_is_number(found) &&
+        !(json_is_string(found) &&
+          mcv_parse_quantity(json_string_value(found), MCV_PARAM_choice, number)))
+        result = mcv_fail(error, MCV_BAD_INPUT, "is no number in the scene");
+    json_decref(root);
+    return result;
+}
+
 const char *mcv_overrides_shorten(const char *collection, const char *path) {
     static const char own[] = "extensions/MCVISI_materials/";
     if (strcmp(collection, "materials") == 0 && strncmp(path, own, strlen(own)) == 0)

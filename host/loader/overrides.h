@@ -25,6 +25,11 @@ mcv_result mcv_overrides_apply(mcv_overrides overrides, json_t *root, const mcv_
 mcv_result mcv_overrides_find(const char *path, json_t *root, const mcv_json_path *file,
                               const json_t **found, mcv_error *error);
 
+/* The number, in SI, that stands at such a path of a document with these overrides. MCV_BAD_INPUT
+ * where none does. */
+mcv_result mcv_overrides_number(const char *path, mcv_overrides overrides,
+                                const mcv_document *document, double *number, mcv_error *error);
+
 /* The short form of a path below an element: "distance" for "extensions/MCVISI_pose/distance". */
 const char *mcv_overrides_shorten(const char *collection, const char *path);
 

@@ -57,6 +57,11 @@
     X(list, until, "until", 0, "NAME=U", MCV_IN_EXPERIMENTS, NULL, 0, 0, \
       "render until the standard uncertainty of this metric is at most U, and that of every " \
       "other metric with --until at most its own, within --spp and --time; may be repeated") \
+    X(text, bound, "bound", 0, "PATH=STEP", MCV_IN_EXPERIMENTS, NULL, 0, 0, \
+      "a parameter of the scene and a small step of it, as in nodes/part/shiftZ=0.1mm: the " \
+      "figure " \
+      "`bound` is the least standard uncertainty [SI] with which one exposure can tell it " \
+      "(Cramér-Rao); each set is rendered with and without the step, by the same random numbers") \
     X(choice, in, "in", 0, "image|emd-gradient", MCV_IN_EXPERIMENTS, "image", 0, 0, \
       "measure in the image, or in the Earth Mover's gradient of a light field image") \
     X(text, best, "best", 0, "NAME=largest|smallest", MCV_IN_SWEEP, NULL, 0, 0, \

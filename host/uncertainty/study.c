@@ -2,7 +2,6 @@
 #include "uncertainty/study.h"
 
 #include "loader/overrides.h"
-#include "scene/params.h"
 
 #include <math.h>
 #include <stdlib.h>
@@ -35,40 +34,21 @@ static mcv_result check(const mcv_study_asked *a, mcv_error *error) {
 
 /* --- nominal values --- */
 
-static bool number_of(const json_t *found, double *value) {
-    *value = json_number_value(found);
-    return json_is_number(found) ||
-           (json_is_string(found) &&
-            mcv_parse_quantity(json_string_value(found), MCV_PARAM_choice, value));
-}
-
 /* Tolerances without a centre are about the value that the scene states. */
-static mcv_result find_centre(const mcv_parameter *p, json_t *root, const mcv_json_path *place,
-                              double *centre, mcv_error *error) {
-    char path[1024];
-    const json_t *found = NULL;
-    mcv_error why = {""};
-    snprintf(path, sizeof path, "%.*s", p->path_length, p->item);
-    if (mcv_overrides_find(path, root, place, &found, &why) != MCV_OK)
-        return mcv_fail(error, MCV_BAD_INPUT,
-                        "--tolerance %s: %s: give the centre, as in normal(25mm,0.1mm)", p->item,
-                        why.text);
-    if (!number_of(found, centre))
-        return mcv_fail(error, MCV_BAD_INPUT, "--tolerance %s: is no number in the scene", p->item);
-    return MCV_OK;
-}
-
 static mcv_result find_centres(const mcv_experiment *e, const mcv_plan *plan, mcv_tolerances *t,
                                mcv_error *error) {
-    const mcv_json_path place = mcv_place_file(e->document->path);
-    json_t *root = json_deep_copy(e->document->root);
-    if (!root) return mcv_fail(error, MCV_FAILED, "no memory for a copy of the scene");
-    mcv_result result = mcv_overrides_apply(e->set, root, &place, error);
-    for (size_t i = 0; i < t->count && result == MCV_OK; ++i)
-        if (isnan(t->of[i].centre))
-            result = find_centre(plan->parameters + i, root, &place, &t->of[i].centre, error);
-    json_decref(root);
-    return result;
+    for (size_t i = 0; i < t->count; ++i) {
+        const mcv_parameter *p = plan->parameters + i;
+        char path[1024];
+        mcv_error why = {""};
+        if (!isnan(t->of[i].centre)) continue;
+        snprintf(path, sizeof path, "%.*s", p->path_length, p->item);
+        if (mcv_overrides_number(path, e->set, e->document, &t->of[i].centre, &why) != MCV_OK)
+            return mcv_fail(error, MCV_BAD_INPUT,
+                            "--tolerance %s: %s: give the centre, as in normal(25mm,0.1mm)",
+                            p->item, why.text);
+    }
+    return MCV_OK;
 }
 
 /* --- sets --- */

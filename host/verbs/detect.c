@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "verbs/detect.h"
 
-#include "io/exr_make.h"
+#include "analysis/light_pairs.h"
 #include "io/values.h"
 #include "scene/params.h"
 #include "verbs/compare.h"
@@ -10,43 +10,6 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
-
-/* The camera that exposes the picture without the defect: --expose-to takes its level from it. */
-static mcv_result choose_camera(const mcv_camera_settings *settings, const char *path,
-                                const mcv_exr *exr, mcv_read_out *out, mcv_error *error) {
-    mcv_exr light;
-    MCV_TRY(mcv_camera_check_settings(settings, error));
-    MCV_TRY(mcv_exr_copy(exr, &light, error)); /* it is blurred in place */
-    const mcv_result result = mcv_camera_read_out(settings, path, &light, out, error);
-    if (result == MCV_OK) mcv_exposure_free(&out->exposure);
-    mcv_exr_free(&light);
-    return result;
-}
-
-/* Replicate r as the electrons that the lens lets through. */
-static mcv_result read_replicate(const mcv_camera_settings *settings, const mcv_compared *from,
-                                 const mcv_exr *exr, const mcv_read_out *out, uint32_t r,
-                                 double *electrons, mcv_error *error) {
-    const mcv_image *like = from->measured.mean;
-    const size_t plane = (size_t)like->width * like->height, count = plane * like->channels;
-    mcv_exr_part part = exr->parts[0];
-    mcv_exr one = *exr; /* the header, for the lens */
-    mcv_correlation unused;
-    char words[128];
-    MCV_TRY(mcv_image_new(&part.image, like->width, like->height, like->channels, error));
-    one.parts = &part;
-    one.part_count = 1;
-    for (size_t i = 0; i < count; ++i)
-        part.image.pixels[i] = (float)fmax(0, from->film.sums[r * count + i]);
-    const mcv_result result = mcv_camera_blur(settings, from->path, &one, words, &unused, error);
-    for (size_t i = 0; i < count; ++i) {
-        const size_t channel = i / plane;
-        electrons[r * count + i] = out->camera.electrons_per_unit[channel < 3 ? channel : 2] *
-                                   (double)part.image.pixels[i];
-    }
-    mcv_image_free(&part.image);
-    return result;
-}
 
 static mcv_result check_pair(const mcv_compared *a, const mcv_compared *b, mcv_error *error) {
     const mcv_compared *const both[] = {a, b};
@@ -83,39 +46,23 @@ static mcv_result read_step(const char *text, double *step, mcv_error *error) {
 
 /* What a detection works on. */
 typedef struct work {
-    const mcv_exr *exr[2];
     mcv_compared pictures[2]; /* with, without */
-    double *electrons[2];
+    mcv_light_pairs read;
     mcv_roi region;
 } work;
 
-static mcv_result gather(const mcv_command *command, work *w, mcv_detected *d, mcv_pairs *pairs,
-                         mcv_error *error) {
+static mcv_result gather(const mcv_command *command, const mcv_exr *const exr[2], work *w,
+                         mcv_detected *d, mcv_error *error) {
     const mcv_camera_settings settings = mcv_camera_settings_of(command);
-    const mcv_image *mean = w->pictures[0].measured.mean;
-    const uint32_t replicates = w->pictures[0].film.replicates;
-    const size_t count = (size_t)mean->width * mean->height * mean->channels;
-    mcv_read_out out;
-    MCV_TRY(choose_camera(&settings, w->pictures[1].path, w->exr[1], &out, error));
-    for (int i = 0; i < 2; ++i) {
-        w->electrons[i] = malloc(count * replicates * sizeof(double));
-        if (!w->electrons[i])
-            return mcv_fail(error, MCV_FAILED, "no memory for %u replicates", replicates);
-        for (uint32_t r = 0; r < replicates; ++r)
-            MCV_TRY(read_replicate(&settings, w->pictures + i, w->exr[i], &out, r, w->electrons[i],
-                                   error));
-    }
-    if (command->within) MCV_TRY(mcv_roi_parse(command->within, 1, mean, &w->region, error));
-    *pairs = (mcv_pairs){.width = mean->width,
-                         .height = mean->height,
-                         .channels = mean->channels,
-                         .replicates = replicates,
-                         .with = w->electrons[0],
-                         .without = w->electrons[1],
-                         .inside = w->region.inside,
-                         .correlation = out.correlation};
-    d->camera = out.camera;
-    memcpy(d->lens, out.lens, sizeof d->lens);
+    mcv_light_picture pictures[2];
+    for (int i = 0; i < 2; ++i)
+        pictures[i] = (mcv_light_picture){w->pictures[i].path, exr[i], &w->pictures[i].film};
+    MCV_TRY(mcv_light_pairs_read(&settings, pictures, &w->read, error));
+    if (command->within)
+        MCV_TRY(mcv_roi_parse(command->within, 1, w->pictures[0].measured.mean, &w->region, error));
+    w->read.pairs.inside = w->region.inside;
+    d->camera = w->read.camera;
+    memcpy(d->lens, w->read.lens, sizeof d->lens);
     d->same_seed = w->pictures[0].seed == w->pictures[1].seed;
     return MCV_OK;
 }
@@ -123,21 +70,19 @@ static mcv_result gather(const mcv_command *command, work *w, mcv_detected *d, m
 mcv_result mcv_detect_pictures(const mcv_command *command, const mcv_exr *with,
                                const char *with_path, const mcv_exr *without,
                                const char *without_path, mcv_detected *detected, mcv_error *error) {
-    work w = {.exr = {with, without}};
-    mcv_pairs pairs;
+    const mcv_exr *const exr[2] = {with, without};
+    work w = {.read = {.lens = ""}};
     *detected = (mcv_detected){.same_seed = false};
     mcv_result result = read_step(command->step, &detected->step, error);
     if (result == MCV_OK) result = mcv_compared_read(with, with_path, w.pictures, error);
     if (result == MCV_OK) result = mcv_compared_read(without, without_path, w.pictures + 1, error);
     if (result == MCV_OK) result = check_pair(w.pictures, w.pictures + 1, error);
-    if (result == MCV_OK) result = gather(command, &w, detected, &pairs, error);
+    if (result == MCV_OK) result = gather(command, exr, &w, detected, error);
     if (result == MCV_OK)
-        result = mcv_detect(&pairs, &detected->camera, command->visible, &detected->sigmas,
+        result = mcv_detect(&w.read.pairs, &detected->camera, command->visible, &detected->sigmas,
                             &detected->detection, error);
-    for (int i = 0; i < 2; ++i) {
-        mcv_film_free(&w.pictures[i].film);
-        free(w.electrons[i]);
-    }
+    for (int i = 0; i < 2; ++i) mcv_film_free(&w.pictures[i].film);
+    mcv_light_pairs_free(&w.read);
     mcv_roi_free(&w.region);
     return result;
 }

@@ -49,6 +49,7 @@ mcv_result mcv_sweep_experiment(const mcv_command *c, mcv_experiment *experiment
                                        .seed = (uint32_t)c->design_seed},
                          .measuring = {.metrics = mcv_texts_of(&c->metric),
                                        .until = mcv_texts_of(&c->until),
+                                       .bound = c->bound,
                                        .best = c->best,
                                        .places = mcv_places_of(c),
                                        .camera = mcv_camera_settings_of(c),
@@ -67,6 +68,7 @@ mcv_result mcv_sweep_experiment(const mcv_command *c, mcv_experiment *experiment
                          .note = c->note,
                          .resume = c->resume,
                          .force = c->again};
+    experiment->measuring.places.bound = c->bound != NULL;
     MCV_TRY(read_range(c->share, experiment->share, error));
     if (c->resume && c->again)
         return mcv_fail(error, MCV_USAGE, "--force begins the table again: leave out --resume");

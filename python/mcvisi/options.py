@@ -115,7 +115,7 @@ def _value(option: str, value: Any) -> Any:
     name = PLURALS.get(option) or option.replace("-", "_")
     if option in REPEATED:
         return _named(value, name, REPEATED[option][1])
-    if option == "best" and isinstance(value, Mapping) and len(value) == 1:
+    if option in ("best", "bound") and isinstance(value, Mapping) and len(value) == 1:
         return _named(value, name, "=")[0]
     if option == "output" and _is_list(value):
         return [_plain(item, name) for item in value]

@@ -3,6 +3,7 @@
  * and what is refused. No OpenCL device is needed. */
 #include "api.h"
 
+#include "blurred_edge.h"
 #include "program.h"
 
 #include <math.h>
@@ -169,35 +170,10 @@ static void tells_which_pixels_see_it(void **state) {
     program_fails("detect dug.exr dug.exr --expose-to 0.5 --rig dug.gltf --truth t.jpg", 2, ".png");
 }
 
-/* A black half plane before the sky, out of the focus of a thin lens: b = 20 mm, w = 180 mm, a
- * radius of 4 mm. */
-#define EDGE \
-    "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0,1,2]}]," \
-    "\"extensionsUsed\":[\"MCVISI_materials\",\"MCVISI_emitters\",\"MCVISI_sensors\"]," \
-    "\"extensions\":{\"MCVISI_sensors\":{\"sensors\":[{\"name\":\"cam\",\"type\":\"thinLens\"," \
-    "\"focalLength\":0.018,\"imageDistance\":0.02,\"lensDiameter\":0.008," \
-    "\"resolution\":[48,16],\"pixelSize\":2e-5}]},\"MCVISI_emitters\":{\"emitters\":[{" \
-    "\"name\":\"sky\",\"type\":\"environment\",\"radiance\":1}]}}," \
-    "\"buffers\":[{\"byteLength\":60,\"uri\":\"data:application/octet-stream;base64," \
-    "CtejvArXo7wAAAAACtejPArXo7wAAAAACtejPArXozwAAAAACtejvArXozwAAAAAAAABAAIAAAACAAMA\"}]," \
-    "\"bufferViews\":[{\"buffer\":0,\"byteLength\":48},{\"buffer\":0,\"byteOffset\":48," \
-    "\"byteLength\":12}],\"accessors\":[{\"bufferView\":0,\"componentType\":5126," \
-    "\"count\":4,\"type\":\"VEC3\",\"min\":[-0.02,-0.02,0],\"max\":[0.02,0.02,0]}," \
-    "{\"bufferView\":1,\"componentType\":5123,\"count\":6,\"type\":\"SCALAR\"}]," \
-    "\"materials\":[{\"extensions\":{\"MCVISI_materials\":{\"type\":\"absorber\"}}}]," \
-    "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0},\"indices\":1," \
-    "\"material\":0}]}]," \
-    "\"nodes\":[{\"name\":\"plate\",\"mesh\":0,\"translation\":[0.02,0,-0.12]}," \
-    "{\"name\":\"cam\",\"extensions\":{\"MCVISI_sensors\":{\"sensor\":0}}},{\"name\":\"sky\"," \
-    "\"extensions\":{\"MCVISI_emitters\":{\"emitter\":0}}}]}"
-
-/* An edge is blurred by the marginal f(x/s)/s of the aperture, s = b r (1/z - 1/w)/p pixels wide:
- * its derivative by s has the square (I²/s) ∫ f² u² du, which is 16/π² 2/15 for a half disc and
- * half of that for a disc. Pixels of s/11 and a step of s/20 change it by less than 1 %, electrons
- * in the variance by 0.2 %; the renders know d' to 1 %, as its interval says. */
+/* Pixels of s/11 and a step of s/20 change the bound by less than 1 %, electrons in the variance by
+ * 0.2 %; the renders know d' to 1 %, as its interval says. */
 static void tells_the_bound_of_a_depth(void **state) {
     static const char *const shapes[] = {"half", "disc"};
-    const double slope = 4 / (0.12 * 0.12), s = 4 * (1 / 0.12 - 1 / 0.18);
     (void)state;
     write_file("edge.gltf", EDGE);
     for (int i = 0; i < 2; ++i) {
@@ -211,8 +187,7 @@ static void tells_the_bound_of_a_depth(void **state) {
         }
         json_t *report = program_json("detect far.exr near.exr --electrons-per-unit 1000 "
                                       "--read-noise 500 --lens-mtf none --step 2mm --json");
-        const double c = 16 / (M_PI * M_PI) * 2 / 15 / (1 + i),
-                     truth = 500 / (1000 * slope) * sqrt(s / (16 * c)),
+        const double truth = edge_bound(0.004, i == 0, 500 / 1000.0),
                      value = number_at(report, "bound/value");
         print_message("  %s: u(z) %.4g mm, must be %.4g mm\n", shapes[i], 1e3 * value, 1e3 * truth);
         assert_true(number_at(report, "bound/low") <= value);

@@ -327,6 +327,10 @@ static void test_shipped_experiments(void **state) {
     program_well("sweep " MCV_SOURCE_DIR "/scenes/dent-visibility.json -o dent.csv --spp 4 --where "
                  "'halfAngle<0.11deg && imageDistance>61.5mm'");
     assert_int_equal(count_lines(read_whole("dent.csv")), 2);
+    program_well("sweep " MCV_SOURCE_DIR
+                 "/scenes/depth-by-masks.json -o masks.csv --spp 64 --where "
+                 "'shiftZ<-9mm'");
+    assert_int_equal(count_lines(read_whole("masks.csv")), 5);
 }
 
 int main(void) {
