@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "device/features.h"
-#include "device/gloss.h"
+#include "device/pack_glossy.h"
 #include "device/light.h"
 #include "device/pack_steps.h"
 #include "scene/emitters.h"

@@ -6,7 +6,7 @@
 #include <stdlib.h>
 
 #include "device/albedo.h"
-#include "device/gloss.h"
+#include "device/pack_glossy.h"
 #include "scene/mesh.h"
 #include "scene/solid.h"
 #include "scene/geometry.h"

@@ -74,7 +74,7 @@ typedef struct mcv_frame {
     uint instance_count;
     uint
         light_tree_depth; /* steps from its root to an emitter at most; 0: there is no light tree */
-    uint environment_element;         /* its number (kernels/light/element.h) */
+    uint environment_element;         /* its number (kernels/light/emitter_element.h) */
     uint record_capacity;             /* records that a launch has room for; 0: it makes none */
     float splat_share;                /* what a splat of 1 adds to a pixel's sum of samples */
     uint moving_nodes, moving_leaves; /* where the hierarchy of moving parts begins */
@@ -192,7 +192,7 @@ typedef struct mcv_device_emitter {
     float widening;
     float power;        /* its share of the power of all emitters */
     uint trail;         /* from the root of the light tree to it: bit i is the child at level i */
-    uint first_element; /* its number (kernels/light/element.h) */
+    uint first_element; /* its number (kernels/light/emitter_element.h) */
     uint element_width; /* pixels in a row of its image, each of which is an element; 0: it is one
                            element */
 #if !MCV_ON_DEVICE || MCV_WITH_PARALLEL

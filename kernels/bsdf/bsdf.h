@@ -5,7 +5,7 @@
 
 #include "bsdf/dielectric.h"
 #include "bsdf/diffuse.h"
-#include "bsdf/gloss.h"
+#include "bsdf/glossy.h"
 #include "bsdf/retroreflector.h"
 #include "bsdf/sheet.h"
 #include "geometry/contact.h"

@@ -8,7 +8,7 @@
 
 #include "geometry/surface.h"
 #include "light/discrete.h"
-#include "light/element.h"
+#include "light/emitter_element.h"
 #include "light/emission.h"
 #include "light/shadow.h"
 

@@ -43,7 +43,7 @@ typedef struct mcv_light_path {
     float etendue;        /* one over the density of its start; 0: camera paths do not find it */
     uint origin_surface;  /* the exact surface that it starts on (mcv_mark_origin_surface) */
     uint media;
-    uint emitter, element; /* light/element.h */
+    uint emitter, element; /* light/emitter_element.h */
     uint path_class;       /* MCV_LIGHT_… */
     float length;          /* so far [m] */
 } mcv_light_path;

@@ -18,8 +18,8 @@ typedef struct mcv_shadow {
     mcv_color light; /* radiance over the density of the choice; 0: nothing comes */
     float density; /* of the choice [1/sr]; 0: the only direction there is, and light is irradiance
                       over the chance of the choice */
-    uint element;  /* of the emitter (light/element.h); MCV_NONE: its first one, or that where the
-                      ray meets it */
+    uint element;  /* of the emitter (light/emitter_element.h); MCV_NONE: its first one, or that
+                      where the ray meets it */
 } mcv_shadow;
 
 /* A shadow ray from the receiver, without light. */

@@ -91,12 +91,13 @@
     X(shadow_origin, 3 * MCV_WITH_NEXT_EVENT)  /* ray to the emitter */ \
     X(shadow_direction, 3 * MCV_WITH_NEXT_EVENT) \
     X(shadow_origin_surface, MCV_WITH_NEXT_EVENT *MCV_WITH_SURFACES) \
-    X(shadow_density, MCV_TILE *MCV_WITH_NEXT_EVENT)         /* as in mcv_shadow */ \
-    X(shadow_media, MCV_WITH_NEXT_EVENT *MCV_CROSSES)        /* that it leaves the surface in */ \
-    X(shadow_light, MCV_WITH_NEXT_EVENT *MCV_CHANNELS)       /* what it brings; 0: no ray */ \
-    X(shadow_element, MCV_WITH_NEXT_EVENT *MCV_WITH_RECORDS) /* from which (light/element.h) */ \
-    X(shadow_target, MCV_WITH_NEXT_EVENT) /* instance that must be met first; MCV_NONE: nothing \
-                                             before t = 1; MCV_SKY: nothing at all */
+    X(shadow_density, MCV_TILE *MCV_WITH_NEXT_EVENT)   /* as in mcv_shadow */ \
+    X(shadow_media, MCV_WITH_NEXT_EVENT *MCV_CROSSES)  /* that it leaves the surface in */ \
+    X(shadow_light, MCV_WITH_NEXT_EVENT *MCV_CHANNELS) /* what it brings; 0: no ray */ \
+    X(shadow_element, \
+      MCV_WITH_NEXT_EVENT *MCV_WITH_RECORDS) /* from which (light/emitter_element.h) */ \
+    X(shadow_target, MCV_WITH_NEXT_EVENT)    /* instance that must be met first; MCV_NONE: nothing \
+                                                before t = 1; MCV_SKY: nothing at all */
 
 #define MCV_PATH_FIELDS(X) \
     MCV_RAY_FIELDS(X) MCV_CAMERA_FIELDS(X) MCV_HIT_FIELDS(X) MCV_CAMERA_HIT_FIELDS(X)
@@ -109,7 +110,8 @@
     X(light_replicate, MCV_LIGHT_ROWS)          /* that it counts for */ \
     X(light_class, MCV_LIGHT_ROWS)              /* MCV_LIGHT_… */ \
     X(light_length, MCV_LIGHT_ROWS)             /* so far [m] */ \
-    X(light_element, MCV_LIGHT_ROWS *MCV_WITH_RECORDS) /* of the emitter (light/element.h) */
+    X(light_element, \
+      MCV_LIGHT_ROWS *MCV_WITH_RECORDS) /* of the emitter (light/emitter_element.h) */
 
 /* Whether light paths lie in rows. Where beams come to the lens by themselves or colours part, they
  * are traced one by one. */
@@ -170,7 +172,7 @@ typedef struct mcv_slot {
 #if !MCV_TILE
     uint capacity;
 #elif MCV_WITH_GLOSS
-    struct mcv_gloss_interaction *glosses; /* of each slot (bsdf/gloss.h) */
+    struct mcv_gloss_interaction *glosses; /* of each slot (bsdf/glossy.h) */
 #endif
     uint index;
 } mcv_slot;

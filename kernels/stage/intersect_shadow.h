@@ -9,7 +9,7 @@
 #include "traverse/closest.h"
 #include "geometry/surface.h"
 #include "geometry/solids.h"
-#include "light/element.h"
+#include "light/emitter_element.h"
 #include "stage/record_light.h"
 
 /* The light of the emitter at the hit arrives, if it is lit; a ray that ends at the emitter's point

@@ -18,7 +18,7 @@
 #include "bsdf/shading.h"
 #include "geometry/interaction.h"
 #include "light/direction.h"
-#include "light/element.h"
+#include "light/emitter_element.h"
 #include "light/emission.h"
 #include "light/emitter_point.h"
 #include "light/selection.h"

@@ -5,7 +5,7 @@
 
 #include "geometry/interaction.h"
 #include "light/discrete.h"
-#include "light/element.h"
+#include "light/emitter_element.h"
 #include "light/emission.h"
 #include "light/environment.h"
 #include "light/selection.h"

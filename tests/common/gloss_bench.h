@@ -8,7 +8,7 @@
 
 #include "mcvisi/materials/microfacet.h"
 #include "reference/gloss.h"
-#include "device/gloss.h"
+#include "device/pack_glossy.h"
 
 enum { CASES = 1 << 16 };
 

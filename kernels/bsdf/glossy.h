@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Surfaces of microfacets (bsdf/microfacet.h), in the frame of the surface; and smooth metals. */
-#ifndef MCVISI_KERNELS_GLOSS_H
-#define MCVISI_KERNELS_GLOSS_H
+#ifndef MCVISI_KERNELS_GLOSSY_H
+#define MCVISI_KERNELS_GLOSSY_H
 
 #include "bsdf/dielectric.h"
 #include "bsdf/scattering.h"

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "device/gloss.h"
+#include "device/pack_glossy.h"
 
 #include <math.h>
 #include <stdlib.h>

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Glossy materials for the device, with the albedos of their microfacets. */
-#ifndef MCVISI_HOST_DEVICE_GLOSS_H
-#define MCVISI_HOST_DEVICE_GLOSS_H
+#ifndef MCVISI_HOST_DEVICE_PACK_GLOSSY_H
+#define MCVISI_HOST_DEVICE_PACK_GLOSSY_H
 
 #include "device/pack.h"
 

@@ -4,8 +4,8 @@
  * the columns of a light transport matrix (host/transport/matrix.h). Without the feature RECORDS
  * all have the number 0, and nobody asks for it.
  */
-#ifndef MCVISI_KERNELS_ELEMENT_H
-#define MCVISI_KERNELS_ELEMENT_H
+#ifndef MCVISI_KERNELS_EMITTER_ELEMENT_H
+#define MCVISI_KERNELS_EMITTER_ELEMENT_H
 
 #include "light/emission.h"
 
