@@ -257,17 +257,18 @@ mcv_result mcv_pack_emitters(const mcv_scene *scene, mcv_packed *packed, mcv_err
     double *areas = mcv_pack_allocate(scene->triangle_count, sizeof(double), &failed);
     for (uint32_t i = 0; !failed && result == MCV_OK && i < scene->emitter_count; ++i) {
         const mcv_emitter *from = &scene->emitters[i];
-        const uint32_t first_element = elements;
+        const uint32_t first_emitter_element = elements;
         elements += mcv_emitter_elements(scene, from);
-        if (from->type == MCV_EMITTER_ENVIRONMENT) packed->environment_element = first_element;
+        if (from->type == MCV_EMITTER_ENVIRONMENT)
+            packed->environment_element = first_emitter_element;
         if (!mcv_is_sampled(from)) continue;
         mcv_device_emitter *to = &packed->emitters[count];
         *to = (mcv_device_emitter){.type = from->type,
                                    .instance = from->instance,
                                    .texture = from->texture,
                                    .area = (float)from->area,
-                                   .first_element = first_element};
-        if (from->by_pixel) to->element_width = scene->textures[from->texture].width;
+                                   .first_emitter_element = first_emitter_element};
+        if (from->by_pixel) to->emitter_element_width = scene->textures[from->texture].width;
         for (int k = 0; k < 3; ++k) to->radiance[k] = (float)from->radiance[k];
         if (mcv_emitter_has_surface(from->type)) {
             pack_surface(scene, packed, from, count, next, areas);

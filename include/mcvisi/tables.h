@@ -190,11 +190,11 @@ typedef struct mcv_device_emitter {
     float narrowest; /* width of its light and how it grows with distance: kernels/light/selection.h
                         [m²] */
     float widening;
-    float power;        /* its share of the power of all emitters */
-    uint trail;         /* from the root of the light tree to it: bit i is the child at level i */
-    uint first_element; /* its number (kernels/light/emitter_element.h) */
-    uint element_width; /* pixels in a row of its image, each of which is an element; 0: it is one
-                           element */
+    float power; /* its share of the power of all emitters */
+    uint trail;  /* from the root of the light tree to it: bit i is the child at level i */
+    uint first_emitter_element; /* its number (kernels/light/emitter_element.h) */
+    uint emitter_element_width; /* pixels in a row of its image, each of which is an element; 0: it
+                           is one element */
 #if !MCV_ON_DEVICE || MCV_WITH_PARALLEL
     mcv_parallel parallel;
 #else

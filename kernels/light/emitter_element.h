@@ -10,12 +10,12 @@
 #include "light/emission.h"
 
 /* That of an emitter whose elements are not told apart, or its first one. */
-MCV_LOOP_FUNCTION uint mcv_first_element(mcv_world world, uint emitter) {
-    return MCV_WITH_RECORDS ? world.emitters[emitter].first_element : 0u;
+MCV_LOOP_FUNCTION uint mcv_first_emitter_element(mcv_world world, uint emitter) {
+    return MCV_WITH_RECORDS ? world.emitters[emitter].first_emitter_element : 0u;
 }
 
 /* That of the environment. */
-MCV_LOOP_FUNCTION uint mcv_sky_element(mcv_world world) {
+MCV_LOOP_FUNCTION uint mcv_environment_element(mcv_world world) {
     return MCV_WITH_RECORDS ? world.frame->environment_element : 0u;
 }
 
@@ -41,17 +41,17 @@ MCV_FUNCTION int mcv_emitting_pixel(mcv_world world, mcv_surface surface,
 
 /* That which sends light from a place on an emitter in a direction (unit, away from the surface).
  */
-MCV_FUNCTION uint mcv_element_of(mcv_world world, uint emitter, mcv_surface surface,
-                                 mcv_vec3 direction) {
-    uint element = mcv_first_element(world, emitter);
+MCV_FUNCTION uint mcv_emitter_element_of(mcv_world world, uint emitter, mcv_surface surface,
+                                         mcv_vec3 direction) {
+    uint emitter_element = mcv_first_emitter_element(world, emitter);
     (void)surface, (void)direction;
 #if MCV_WITH_RECORDS && MCV_WITH_TEXTURE && (MCV_WITH_EMISSION || MCV_WITH_BEAM)
     mcv_pixel pixel;
     __global const mcv_device_emitter *e = world.emitters + emitter;
-    if (e->element_width > 0u && mcv_emitting_pixel(world, surface, e, direction, &pixel))
-        element += pixel.row * e->element_width + pixel.column;
+    if (e->emitter_element_width > 0u && mcv_emitting_pixel(world, surface, e, direction, &pixel))
+        emitter_element += pixel.row * e->emitter_element_width + pixel.column;
 #endif
-    return element;
+    return emitter_element;
 }
 
 #endif

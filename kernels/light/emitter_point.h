@@ -169,7 +169,7 @@ MCV_FUNCTION mcv_shadow mcv_shadow_by_image(mcv_world world, mcv_vec3 receiver, 
     shadow.light = mcv_grey(0.0f);
     if (!(shadow.density > 0.0f && shadow.density < INFINITY)) return shadow;
     shadow.light = mcv_dim(mcv_emitted(world, there, emitter, back), 1.0f / shadow.density);
-    shadow.element = mcv_element_of(world, emitter, there, back);
+    shadow.emitter_element = mcv_emitter_element_of(world, emitter, there, back);
     return shadow;
 }
 #endif

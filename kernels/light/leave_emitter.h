@@ -43,9 +43,9 @@ typedef struct mcv_light_path {
     float etendue;        /* one over the density of its start; 0: camera paths do not find it */
     uint origin_surface;  /* the exact surface that it starts on (mcv_mark_origin_surface) */
     uint media;
-    uint emitter, element; /* light/emitter_element.h */
-    uint path_class;       /* MCV_LIGHT_… */
-    float length;          /* so far [m] */
+    uint emitter, emitter_element; /* light/emitter_element.h */
+    uint path_class;               /* MCV_LIGHT_… */
+    float length;                  /* so far [m] */
 } mcv_light_path;
 
 enum {
@@ -64,7 +64,7 @@ MCV_LOOP_FUNCTION mcv_light_path mcv_make_light_path(mcv_world world, uint emitt
     path.origin_surface = MCV_NONE;
     path.media = e->media;
     path.emitter = emitter;
-    path.element = mcv_first_element(world, emitter);
+    path.emitter_element = mcv_first_emitter_element(world, emitter);
     path.etendue = 0.0f;
     path.path_class = MCV_LIGHT_OPEN;
     path.length = 0.0f;
@@ -94,7 +94,7 @@ MCV_LOOP_FUNCTION void mcv_leave_point(mcv_world world, mcv_surface surface, mcv
     }
 #endif
     path->direction = direction;
-    path->element = mcv_element_of(world, path->emitter, surface, direction);
+    path->emitter_element = mcv_emitter_element_of(world, path->emitter, surface, direction);
     path->etendue = mcv_etendue_of(e, aimed, surface.face, direction);
     share *= sent;
     const int sends = (path->etendue > 0.0f) & (share > 0.0f);
@@ -128,7 +128,7 @@ MCV_FUNCTION void mcv_leave_along_beam(mcv_world world, mcv_surface surface, mcv
 #if MCV_WITH_TEXTURE
     if (e->texture != MCV_NONE)
         path->flux = mcv_tint(path->flux, mcv_texture_at(world, surface, e->texture));
-    path->element = mcv_element_of(world, path->emitter, surface, path->direction);
+    path->emitter_element = mcv_emitter_element_of(world, path->emitter, surface, path->direction);
 #endif
     path->origin = mcv_offset_origin(surface.point, surface.error, surface.face, path->direction);
 }

@@ -18,8 +18,8 @@ typedef struct mcv_shadow {
     mcv_color light; /* radiance over the density of the choice; 0: nothing comes */
     float density; /* of the choice [1/sr]; 0: the only direction there is, and light is irradiance
                       over the chance of the choice */
-    uint element;  /* of the emitter (light/emitter_element.h); MCV_NONE: its first one, or that
-                      where the ray meets it */
+    uint emitter_element; /* of the emitter (light/emitter_element.h); MCV_NONE: its first one, or
+                     that where the ray meets it */
 } mcv_shadow;
 
 /* A shadow ray from the receiver, without light. */
@@ -31,7 +31,7 @@ MCV_LOOP_FUNCTION mcv_shadow mcv_shadow_along(mcv_receiver at, mcv_vec3 directio
     shadow.target = target;
     shadow.light = mcv_grey(0.0f);
     shadow.density = density;
-    shadow.element = MCV_NONE;
+    shadow.emitter_element = MCV_NONE;
     return shadow;
 }
 

@@ -94,7 +94,7 @@
     X(shadow_density, MCV_TILE *MCV_WITH_NEXT_EVENT)   /* as in mcv_shadow */ \
     X(shadow_media, MCV_WITH_NEXT_EVENT *MCV_CROSSES)  /* that it leaves the surface in */ \
     X(shadow_light, MCV_WITH_NEXT_EVENT *MCV_CHANNELS) /* what it brings; 0: no ray */ \
-    X(shadow_element, \
+    X(shadow_emitter_element, \
       MCV_WITH_NEXT_EVENT *MCV_WITH_RECORDS) /* from which (light/emitter_element.h) */ \
     X(shadow_target, MCV_WITH_NEXT_EVENT)    /* instance that must be met first; MCV_NONE: nothing \
                                                 before t = 1; MCV_SKY: nothing at all */
@@ -110,7 +110,7 @@
     X(light_replicate, MCV_LIGHT_ROWS)          /* that it counts for */ \
     X(light_class, MCV_LIGHT_ROWS)              /* MCV_LIGHT_… */ \
     X(light_length, MCV_LIGHT_ROWS)             /* so far [m] */ \
-    X(light_element, \
+    X(light_emitter_element, \
       MCV_LIGHT_ROWS *MCV_WITH_RECORDS) /* of the emitter (light/emitter_element.h) */
 
 /* Whether light paths lie in rows. Where beams come to the lens by themselves or colours part, they

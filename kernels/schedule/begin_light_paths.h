@@ -26,7 +26,7 @@ MCV_LOOP_FUNCTION mcv_light_path mcv_load_light_path(mcv_slot slot) {
     path.origin_surface = mcv_path_origin_surface(slot);
     path.media = mcv_path_media(slot);
     path.emitter = MCV_WORD(slot, light_emitter, 0);
-    path.element = MCV_WITH_RECORDS ? MCV_WORD(slot, light_element, 0) : 0u;
+    path.emitter_element = MCV_WITH_RECORDS ? MCV_WORD(slot, light_emitter_element, 0) : 0u;
     path.path_class = MCV_WORD(slot, light_class, 0);
     path.length = MCV_LOAD(slot, light_length, 0);
     return path;
@@ -42,7 +42,7 @@ MCV_LOOP_FUNCTION void mcv_store_light_path(mcv_slot slot, mcv_light_path path) 
     MCV_WORD(slot, light_class, 0) = path.path_class;
     MCV_STORE(slot, light_etendue, 0, path.etendue);
     MCV_WORD(slot, light_emitter, 0) = path.emitter;
-    if (MCV_WITH_RECORDS) MCV_WORD(slot, light_element, 0) = path.element;
+    if (MCV_WITH_RECORDS) MCV_WORD(slot, light_emitter_element, 0) = path.emitter_element;
     MCV_STORE(slot, light_length, 0, path.length);
 }
 

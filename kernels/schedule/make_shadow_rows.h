@@ -19,7 +19,8 @@ MCV_LOOP_FUNCTION mcv_shadow mcv_shadow_in(mcv_slot slot) {
     shadow.target = MCV_WORD(slot, shadow_target, 0);
     MCV_LOAD_COLOR(slot, shadow_light, shadow.light);
     shadow.density = MCV_LOAD(slot, shadow_density, 0);
-    shadow.element = MCV_WITH_RECORDS ? MCV_WORD(slot, shadow_element, 0) : MCV_NONE;
+    shadow.emitter_element =
+        MCV_WITH_RECORDS ? MCV_WORD(slot, shadow_emitter_element, 0) : MCV_NONE;
     return shadow;
 }
 

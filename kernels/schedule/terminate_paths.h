@@ -79,7 +79,7 @@ MCV_LOOP_FUNCTION uint mcv_shade_lamp_hits(mcv_world world, uint *apart, uint co
             mcv_radiance_share(e, there.face, there.normal, mcv_scale(direction, -1.0f));
         mcv_emitter_hit met;
         met.emitter = emitter;
-        met.element = mcv_first_element(world, emitter);
+        met.emitter_element = mcv_first_emitter_element(world, emitter);
         met.other = 0.0f;
         met.share = shares[slot.index];
         MCV_EACH_CHANNEL(c) met.radiance.c[c] = e->radiance[c] * sent;

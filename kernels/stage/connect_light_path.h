@@ -153,7 +153,7 @@ MCV_FUNCTION void mcv_splat_light_path(mcv_world world, mcv_interaction interact
         mcv_connection_transmittance(world, connection, world.frame->depth - 1u - depth, counts);
     if (mcv_brightest(transmittance) > 0.0f)
         mcv_splat(world, splats, replicate, connection.place,
-                  mcv_tint(connection.value, transmittance), path.element, xi, counts);
+                  mcv_tint(connection.value, transmittance), path.emitter_element, xi, counts);
 }
 #endif
 #endif

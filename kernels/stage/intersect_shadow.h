@@ -18,7 +18,7 @@ MCV_LOOP_FUNCTION void mcv_add_shadow_light(mcv_world world, mcv_slot slot, mcv_
                                             uint place) {
     mcv_color light;
     mcv_color radiance;
-    uint element = MCV_WITH_RECORDS ? MCV_WORD(slot, shadow_element, 0) : 0u;
+    uint emitter_element = MCV_WITH_RECORDS ? MCV_WORD(slot, shadow_emitter_element, 0) : 0u;
     MCV_LOAD_COLOR(slot, shadow_light, light);
 #if (MCV_WITH_PARALLEL || MCV_WITH_BEAM) && MCV_WITH_TEXTURE
     /* What comes along a cone's or a beam's direction depends on where it was met. */
@@ -27,10 +27,10 @@ MCV_LOOP_FUNCTION void mcv_add_shadow_light(mcv_world world, mcv_slot slot, mcv_
         const uint emitter = world.instances[there.instance].emitter,
                    texture = world.emitters[emitter].texture;
         /* An image whose pixels are told apart is white (host/transport/white.h). */
-        if (MCV_WITH_RECORDS && world.emitters[emitter].element_width > 0u)
-            element =
-                mcv_element_of(world, emitter, there,
-                               mcv_scale(mcv_normalize(MCV_LOAD_3(slot, shadow_direction)), -1.0f));
+        if (MCV_WITH_RECORDS && world.emitters[emitter].emitter_element_width > 0u)
+            emitter_element = mcv_emitter_element_of(
+                world, emitter, there,
+                mcv_scale(mcv_normalize(MCV_LOAD_3(slot, shadow_direction)), -1.0f));
         else if (texture != MCV_NONE)
             light = mcv_tint(light, mcv_texture_at(world, there, texture));
     }
@@ -44,7 +44,7 @@ MCV_LOOP_FUNCTION void mcv_add_shadow_light(mcv_world world, mcv_slot slot, mcv_
     MCV_LOAD_COLOR(slot, radiance, radiance);
     MCV_EACH_CHANNEL(i) radiance.c[i] = lit ? radiance.c[i] + light.c[i] : radiance.c[i];
     MCV_STORE_COLOR(slot, radiance, radiance);
-    if (MCV_WITH_RECORDS && lit) mcv_record_at(world, slot, place, element, light);
+    if (MCV_WITH_RECORDS && lit) mcv_record_at(world, slot, place, emitter_element, light);
 }
 
 /* Whether shadow rays may have to meet their emitter. */

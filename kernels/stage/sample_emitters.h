@@ -162,8 +162,9 @@ MCV_LOOP_FUNCTION mcv_shadow mcv_put_shadow(mcv_world world, mcv_slot slot, mcv_
     MCV_STORE_3(slot, shadow_direction, shadow.direction);
     MCV_WORD(slot, shadow_target, 0) = shadow.target;
     if (MCV_WITH_RECORDS)
-        MCV_WORD(slot, shadow_element, 0) =
-            shadow.element == MCV_NONE ? mcv_first_element(world, emitter) : shadow.element;
+        MCV_WORD(slot, shadow_emitter_element, 0) = shadow.emitter_element == MCV_NONE
+                                                        ? mcv_first_emitter_element(world, emitter)
+                                                        : shadow.emitter_element;
     if (MCV_TILE) {
         MCV_STORE_COLOR(slot, shadow_light, shadow.light);
         MCV_STORE(slot, shadow_density, 0, shadow.density);

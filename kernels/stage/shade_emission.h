@@ -34,18 +34,19 @@ MCV_LOOP_FUNCTION float mcv_density_against(mcv_world world, mcv_slot slot, uint
 
 /* Adds light, L/n², that arrives along the path from an element. */
 MCV_LOOP_FUNCTION void mcv_add_radiance(mcv_world world, mcv_slot slot, mcv_color light,
-                                        uint element) {
+                                        uint emitter_element) {
     const mcv_color throughput = mcv_path_throughput(slot);
     MCV_EACH_CHANNEL(i)
     MCV_STORE(slot, radiance, i, mcv_fma(throughput.c[i], light.c[i], MCV_LOAD(slot, radiance, i)));
-    if (MCV_WITH_RECORDS) mcv_record_radiance(world, slot, element, mcv_tint(throughput, light));
+    if (MCV_WITH_RECORDS)
+        mcv_record_radiance(world, slot, emitter_element, mcv_tint(throughput, light));
 }
 
 #if MCV_WITH_EMISSION
 /* What a path has met of an emitter's surface. */
 typedef struct mcv_emitter_hit {
     mcv_color radiance; /* that the surface sends along the path */
-    uint emitter, element;
+    uint emitter, emitter_element;
     float other; /* the density with which next-event estimation would have chosen this direction
                     [1/sr] */
     float share; /* what light paths leave of it */
@@ -66,7 +67,7 @@ MCV_LOOP_FUNCTION void mcv_add_emission(mcv_world world, mcv_slot slot,
         const int chosen = own > 0.0f, emits = mcv_brightest(emitted) > 0.0f;
         emitted = mcv_dim(emitted, (chosen & emits) ? weight : 1.0f);
     }
-    mcv_add_radiance(world, slot, mcv_dim(emitted, met->share), met->element);
+    mcv_add_radiance(world, slot, mcv_dim(emitted, met->share), met->emitter_element);
 }
 
 /* Adds what a surface emits that the path has met. */
@@ -77,7 +78,7 @@ static void mcv_shade_emitter_hit(mcv_world world, mcv_slot slot, mcv_interactio
     const mcv_vec3 back = mcv_scale(interaction.direction, -1.0f);
     met.radiance = mcv_emitted(world, interaction.surface, emitter, back);
     met.emitter = emitter;
-    met.element = mcv_element_of(world, emitter, interaction.surface, back);
+    met.emitter_element = mcv_emitter_element_of(world, emitter, interaction.surface, back);
     met.other = 0.0f;
     met.share = 1.0f;
 #if MCV_WITH_NEXT_EVENT
@@ -103,7 +104,7 @@ MCV_LOOP_FUNCTION void mcv_shade_miss(mcv_world world, mcv_slot slot) {
         density = mcv_density_against(world, slot, world.frame->environment_emitter, density);
     const mcv_color seen =
         mcv_environment_seen(world, MCV_LOAD_3(slot, direction), mcv_path_media(slot), density);
-    mcv_add_radiance(world, slot, seen, mcv_sky_element(world));
+    mcv_add_radiance(world, slot, seen, mcv_environment_element(world));
 }
 
 #endif

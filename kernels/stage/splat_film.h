@@ -36,7 +36,8 @@ MCV_FUNCTION int mcv_is_on_film(__constant const mcv_frame *frame, mcv_film_poin
 /* The light is recorded instead where the launch records: its splats could not be taken back if
  * the launch is repeated. */
 static void mcv_splat(mcv_world world, __global uint *splats, uint replicate, mcv_film_point place,
-                      mcv_color value, uint element, float xi, uint counts[MCV_COUNTER_COUNT]) {
+                      mcv_color value, uint emitter_element, float xi,
+                      uint counts[MCV_COUNTER_COUNT]) {
     const uint width = world.frame->width;
     const uint height = world.frame->height;
     if (!mcv_is_on_film(world.frame, place)) return;
@@ -44,11 +45,11 @@ static void mcv_splat(mcv_world world, __global uint *splats, uint replicate, mc
     if (mcv_records(world)) {
         mcv_append_record(
             world, mcv_film_cell(world.frame, (uint)place.column, (uint)place.row, replicate),
-            element, mcv_dim(value, world.frame->splat_share));
+            emitter_element, mcv_dim(value, world.frame->splat_share));
         return;
     }
 #endif
-    (void)element;
+    (void)emitter_element;
     const size_t pixel = (size_t)(uint)place.row * width + (uint)place.column;
     for (uint channel = 0; channel < MCV_CHANNELS; ++channel) {
         const size_t cell = ((size_t)replicate * MCV_CHANNELS + channel) * width * height + pixel;

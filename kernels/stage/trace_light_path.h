@@ -47,7 +47,7 @@ static void mcv_enter_lens(mcv_world world, mcv_light_path path, float t, __glob
     if (!(importance > 0.0f)) return;
     mcv_color value = mcv_dim(mcv_tint(path.flux, path.throughput), importance);
     value = mcv_tint(value, mcv_medium_transmittance(world, path.media, way));
-    mcv_splat(world, splats, replicate, place, value, path.element, xi, counts);
+    mcv_splat(world, splats, replicate, place, value, path.emitter_element, xi, counts);
 }
 #endif
 

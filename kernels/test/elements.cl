@@ -165,21 +165,21 @@ __kernel void sample_cones(__global const float *cases, __global float *directio
 
 #if MCV_WITH_GLOSS
 /* A glossy surface, before its albedos. */
-typedef struct mcv_gloss_element {
+typedef struct mcv_glossy_case {
     mcv_device_gloss material;
     mcv_gloss gloss;
     uint padding[4];
-} mcv_gloss_element;
+} mcv_glossy_case;
 
 /* cases: o, i; results: f cosθ of the first channel, density. */
-__kernel void evaluate_gloss(__global const mcv_gloss_element *element, __global const float *cases,
+__kernel void evaluate_gloss(__global const mcv_glossy_case *surface, __global const float *cases,
                              __global float *results) {
     const uint k = get_global_id(0);
     __global const float *in = cases + 6 * k;
-    __global const float *albedos = (__global const float *)(element + 1);
+    __global const float *albedos = (__global const float *)(surface + 1);
     const mcv_vec3 o = mcv_vec(in[0], in[1], in[2]);
-    const mcv_gloss gloss = element->gloss;
-    const mcv_device_gloss material = element->material;
+    const mcv_gloss gloss = surface->gloss;
+    const mcv_device_gloss material = surface->material;
     const mcv_lobes lobes = mcv_gloss_lobes(&material, &gloss, albedos, o);
     const mcv_response response =
         mcv_gloss_respond(&material, &gloss, albedos, &lobes, o, mcv_vec(in[3], in[4], in[5]));
@@ -188,14 +188,14 @@ __kernel void evaluate_gloss(__global const mcv_gloss_element *element, __global
 }
 
 /* cases: o, ξ, η, choice; directions. */
-__kernel void sample_gloss(__global const mcv_gloss_element *element, __global const float *cases,
+__kernel void sample_gloss(__global const mcv_glossy_case *surface, __global const float *cases,
                            __global float *directions) {
     const uint k = get_global_id(0);
     __global const float *in = cases + 6 * k;
-    __global const float *albedos = (__global const float *)(element + 1);
+    __global const float *albedos = (__global const float *)(surface + 1);
     const mcv_vec3 o = mcv_vec(in[0], in[1], in[2]);
-    const mcv_gloss gloss = element->gloss;
-    const mcv_device_gloss material = element->material;
+    const mcv_gloss gloss = surface->gloss;
+    const mcv_device_gloss material = surface->material;
     const mcv_lobes lobes = mcv_gloss_lobes(&material, &gloss, albedos, o);
     const mcv_vec3 i = mcv_gloss_sample(&material, &gloss, &lobes, o, in[3], in[4], in[5]);
     directions[3 * k] = i.x;

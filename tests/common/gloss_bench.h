@@ -12,7 +12,7 @@
 
 enum { CASES = 1 << 16 };
 
-/* mcv_gloss_element of kernels/test/elements.cl with one channel. */
+/* mcv_glossy_case of kernels/test/elements.cl with one channel. */
 typedef struct element {
     mcv_device_gloss material;
     uint32_t type;
