@@ -27,7 +27,7 @@ typedef struct mcv_point_light {
 MCV_ASSERT_SIZE(mcv_point_light, 48);
 
 /* The share of the intensity I that is emitted in a direction (unit, away from the light). It has
- * no branches, because a vectorised loop over paths calls it. */
+ * no conditional jumps, because a vectorised loop over paths calls it. */
 MCV_LOOP_FUNCTION float mcv_point_light_share(MCV_GLOBAL const mcv_point_light *light,
                                               mcv_vec3 direction) {
     const mcv_vec3 chord =

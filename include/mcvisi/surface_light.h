@@ -21,8 +21,8 @@ typedef struct mcv_surface_light {
 } mcv_surface_light;
 MCV_ASSERT_SIZE(mcv_surface_light, 24);
 
-/* The share of L that is sent at an angle of the given cosine. Without branches: a loop over paths
- * calls it. */
+/* The share of L that is sent at an angle of the given cosine. Without conditional jumps: a loop
+ * over paths calls it. */
 MCV_LOOP_FUNCTION float mcv_surface_light_share(MCV_GLOBAL const mcv_surface_light *light,
                                                 float cosine) {
     float share = 0.0f;

@@ -78,7 +78,7 @@ MCV_FUNCTION uint mcv_is_unmatched(mcv_world world, const mcv_interaction *inter
  * the path may split there, of rough glass; elsewhere its chance is 0.
  */
 MCV_FUNCTION mcv_scattering mcv_scatter(mcv_world world, mcv_interaction interaction, uint media,
-                                        mcv_pair pair, float choice, int splits, uint *unmatched,
+                                        mcv_pair pair, float choice, int may_split, uint *unmatched,
                                         mcv_scattering *other) {
     const mcv_device_instance instance = world.instances[interaction.surface.instance];
     const mcv_device_material material = world.materials[instance.material];
@@ -86,12 +86,12 @@ MCV_FUNCTION mcv_scattering mcv_scatter(mcv_world world, mcv_interaction interac
     scattering.factor = mcv_grey(0.0f);
     *other = scattering;
     other->chance = 0.0f;
-    (void)pair, (void)choice, (void)splits, (void)unmatched;
+    (void)pair, (void)choice, (void)may_split, (void)unmatched;
 #if MCV_WITH_GLOSS
     if (mcv_is_rough(world, &interaction, media)) {
         *unmatched += mcv_is_unmatched(world, &interaction, instance.medium, media);
-        return mcv_scatter_gloss(world, interaction, instance.material, media, pair, choice, splits,
-                                 other);
+        return mcv_scatter_gloss(world, interaction, instance.material, media, pair, choice,
+                                 may_split, other);
     }
 #endif
     switch (material.type) {

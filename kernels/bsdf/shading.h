@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * What is known of a surface while the program is compiled. A loop over paths on surfaces of one
- * kind passes it on as constants, so that the functions below hold no branches there; a path by
- * itself is on any surface.
+ * kind passes it on as constants, so that the functions below hold no conditional jumps there; a
+ * path by itself is on any surface.
  */
 #ifndef MCVISI_KERNELS_SHADING_H
 #define MCVISI_KERNELS_SHADING_H
@@ -23,17 +23,17 @@ enum { MCV_CONTINUES = 1, MCV_SPLITS = 2, MCV_UNSHADED = 4 };
 typedef struct mcv_shading {
     uint kind;                     /* MCV_SHADING_… (mcvisi/tables.h), not MCV_SHADING_BLACK */
     int exact;                     /* 0: the surface is a triangle */
-    int splits;                    /* it reflects and passes light: a path may split there */
+    int may_split;                 /* it reflects and passes light: a path may split there */
     uint type;                     /* of a glossy surface: MCV_MATERIAL_… */
     uint material;                 /* of a glossy surface: one for all paths */
     const mcv_device_gloss *gloss; /* of a glossy surface: what is known of it beforehand */
 } mcv_shading;
 
-MCV_LOOP_FUNCTION mcv_shading mcv_shading_of(uint kind, int exact, int splits) {
+MCV_LOOP_FUNCTION mcv_shading mcv_shading_of(uint kind, int exact, int may_split) {
     mcv_shading shading;
     shading.kind = kind;
     shading.exact = exact;
-    shading.splits = splits;
+    shading.may_split = may_split;
     shading.type = MCV_NONE;
     shading.material = MCV_NONE;
     shading.gloss = 0;
@@ -58,7 +58,7 @@ MCV_LOOP_FUNCTION mcv_shading mcv_glossy_shading(mcv_world world, uint material,
 /* The same, its type known to the compiler. */
 MCV_LOOP_FUNCTION mcv_shading mcv_shading_as(mcv_shading shading, uint type) {
     shading.type = type;
-    shading.splits = type == MCV_MATERIAL_DIELECTRIC && MCV_WITH_SPLIT && MCV_WITH_SMOOTH;
+    shading.may_split = type == MCV_MATERIAL_DIELECTRIC && MCV_WITH_SPLIT && MCV_WITH_SMOOTH;
     return shading;
 }
 
@@ -119,7 +119,7 @@ MCV_LOOP_FUNCTION mcv_scattering mcv_scatter_as(mcv_world world, mcv_slot slot,
         *unshaded = m.gloss.table == MCV_NONE;
         *unmatched += (uint)(!*unshaded & (m.near_media != media));
         other->chance = 0.0f;
-        if (shading.splits) {
+        if (shading.may_split) {
             on = mcv_split_by_gloss(world, interaction, shading.gloss, &m, pair, choice, other);
             other->chance = *unshaded ? 0.0f : other->chance;
         } else {

@@ -49,7 +49,7 @@ MCV_FUNCTION mcv_vec3 mcv_piece_gradient(__global const mcv_device_solid *solid,
     return mcv_scale(down, sign);
 }
 
-/* The place on a piece; where it is a quadric without branches. */
+/* The place on a piece; where it is a quadric without conditional jumps. */
 MCV_LOOP_FUNCTION mcv_surface mcv_exact_surface_on(mcv_world world, uint met, float u,
                                                    mcv_vec3 origin, mcv_vec3 direction, float t,
                                                    int quadric) {

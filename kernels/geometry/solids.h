@@ -3,7 +3,7 @@
  * A ray against exact surfaces (mcvisi/surfaces/solid.h).
  *
  * Most solids are discs, balls, boxes and cylinders with conics as caps. Their functions choose
- * between values and do not branch, so that the tile schedule tests many rays at once.
+ * between values and do not jump, so that the tile schedule tests many rays at once.
  */
 #ifndef MCVISI_KERNELS_SOLIDS_H
 #define MCVISI_KERNELS_SOLIDS_H

@@ -48,14 +48,14 @@
     X(media, MCV_WITH_DIELECTRIC) /* set of the media the ray is in */
 
 #define MCV_CAMERA_FIELDS(X) \
-    X(weight, 1)              /* of the sensor's ray; 0: the path is not begun */ \
-    X(radiance, MCV_CHANNELS) /* found so far, L/n² */ \
-    X(branch, MCV_WITH_SPLIT) /* 0 … MCV_BRANCHES - 1: how often the path has split; a branch k: \
-                                 MCV_BRANCHES + k, splits no more */ \
-    X(sample_place, MCV_TILE) /* which sample of its slice the path belongs to */ \
-    X(cell, MCV_WITH_RECORDS) /* of the film (mcv_film_cell) */ \
-    X(density, MCV_WITH_NEXT_EVENT) /* with which the last surface chose the direction [1/sr]; 0: \
-                                       it is smooth */ \
+    X(weight, 1)                     /* of the sensor's ray; 0: the path is not begun */ \
+    X(radiance, MCV_CHANNELS)        /* found so far, L/n² */ \
+    X(branch_number, MCV_WITH_SPLIT) /* 0 … MCV_BRANCHES - 1: how often the path has split; a \
+                                 branch k: MCV_BRANCHES + k, splits no more */ \
+    X(sample_place, MCV_TILE)        /* which sample of its slice the path belongs to */ \
+    X(cell, MCV_WITH_RECORDS)        /* of the film (mcv_film_cell) */ \
+    X(density, MCV_WITH_NEXT_EVENT)  /* with which the last surface chose the direction [1/sr]; 0: \
+                                        it is smooth */ \
     /* Of the last surface that scattered light: light/selection.h; light/tree.h: its normal. */ \
     X(selection, (2 * MCV_WITH_REACH + 3 * MCV_WITH_LIGHT_TREE) * MCV_WITH_NEXT_EVENT) \
     X(path_class, MCV_WITH_LIGHT_TRACING) /* MCV_PATH_CLASS_… */ \
@@ -242,7 +242,7 @@ MCV_FUNCTION float mcv_path_density(mcv_slot slot) {
 
 /* Which of its sample's branches a path is. */
 MCV_FUNCTION uint mcv_branch_of(mcv_slot slot) {
-    const uint branch = MCV_WITH_SPLIT ? MCV_WORD(slot, branch, 0) : 0u;
+    const uint branch = MCV_WITH_SPLIT ? MCV_WORD(slot, branch_number, 0) : 0u;
     return branch < MCV_BRANCHES ? 0u : branch - MCV_BRANCHES;
 }
 

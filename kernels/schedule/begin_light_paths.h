@@ -55,7 +55,7 @@ MCV_LOOP_FUNCTION uint mcv_shade_light_path(mcv_world world, mcv_slot slot,
     mcv_light_path path = mcv_load_light_path(slot);
     mcv_scattering other;
     int unshaded = 0;
-    shading.splits = 0;
+    shading.may_split = 0;
     const mcv_scattering on =
         mcv_scatter_as(world, slot, interaction, shading, mcv_draw(slot, depth, MCV_PAIR_SCATTER),
                        choice.x, 0, unmatched, &other, &unshaded);

@@ -3,8 +3,8 @@
  * The shading classes, and the tile schedule's loops over them. The class of a path is what is
  * known of its surface while the program is compiled: of which geometry it is, and its BSDF. A loop
  * over the paths of a class calls the functions that the stages call for one path
- * (stage/shade_hit.h), with the class as a constant: they hold no branches then, and the loop is
- * vectorised.
+ * (stage/shade_hit.h), with the class as a constant: they hold no conditional jumps then, and the
+ * loop is vectorised.
  *
  * The order of the list is the order of the slots after mcv_sort_paths: the paths of class c have
  * the slots mcv_class_begin(class_end, c) … class_end[c] - 1. Neighbours are one range wherever

@@ -17,7 +17,7 @@ MCV_LOOP_FUNCTION uint mcv_shade_camera_path(mcv_world world, mcv_slot slot,
                                              const mcv_interaction *interaction,
                                              mcv_shading shading, uint depth, uint *unmatched) {
     const mcv_shaded shaded = mcv_shade_hit(world, slot, interaction, shading, depth, unmatched);
-    if (MCV_WITH_SPLIT && shading.splits) mcv_store_split(slot, shaded.split);
+    if (MCV_WITH_SPLIT && shading.may_split) mcv_store_split(slot, shaded.split);
     if (shading.kind != MCV_SHADING_SMOOTH) mcv_keep_selection(slot);
     mcv_continue_path(world, slot, interaction, shading, shaded.on, shaded.throughput,
                       shading.kind == MCV_SHADING_GLOSS ? shaded.fate == MCV_UNSHADED : 0);
@@ -65,9 +65,9 @@ MCV_LOOP_FUNCTION void mcv_shade_ranges(mcv_world world, uint *paths, const uint
  * the surface. */
 MCV_BATCH uint mcv_split_paths(mcv_world world, uint *paths, const uint *fate, uint last,
                                uint begin) {
-    uint splits[MCV_SLOTS], count = 0;
+    uint splitting[MCV_SLOTS], count = 0;
     MCV_VECTORIZE
-    for (uint i = 0; i < last; ++i) splits[i] = fate[i] & MCV_SPLITS;
+    for (uint i = 0; i < last; ++i) splitting[i] = fate[i] & MCV_SPLITS;
     const uint rows[4][2] = {{MCV_PATH_stream, MCV_PATH_sample + 1 + MCV_WITH_MOVING},
                              {MCV_PATH_weight, MCV_PATH_hit + 4},
                              {MCV_PATH_point, MCV_PATH_AFTER_gloss_known + 1},
@@ -75,7 +75,7 @@ MCV_BATCH uint mcv_split_paths(mcv_world world, uint *paths, const uint *fate, u
     for (uint i = 0; i < 4; ++i) {
         uint *from = paths + rows[i][0] * MCV_ROW;
         count =
-            mcv_compact_rows(splits, from, rows[i][1] - rows[i][0], MCV_ROW, last, from + begin);
+            mcv_compact_rows(splitting, from, rows[i][1] - rows[i][0], MCV_ROW, last, from + begin);
     }
     MCV_VECTORIZE
     MCV_EACH_PATH (slot, paths, begin, begin + count) {

@@ -127,7 +127,7 @@ MCV_STAGE_KERNEL(shade_surfaces) {
         path = MCV_ACTIVE(depth)[i];
         const mcv_slot slot = mcv_stream_slot(paths, capacity, path);
 #if MCV_WITH_SPLIT
-        beside.index = path + (MCV_WORD(slot, branch, 0) + 1u) * world.frame->path_count;
+        beside.index = path + (MCV_WORD(slot, branch_number, 0) + 1u) * world.frame->path_count;
 #endif
         if (MCV_WORD(slot, hit, 3) == MCV_NONE)
             mcv_shade_miss(world, slot);

@@ -85,7 +85,7 @@ MCV_LOOP_FUNCTION int mcv_generate_ray(mcv_world world, mcv_slot slot, mcv_ident
     if (MCV_WITH_SURFACES) MCV_WORD(slot, origin_surface, 0) = MCV_NONE;
     if (MCV_WITH_NEXT_EVENT) MCV_STORE(slot, density, 0, 0.0f);
     if (MCV_WITH_LIGHT_TRACING) MCV_WORD(slot, path_class, 0) = MCV_PATH_CLASS_STRAIGHT;
-    if (MCV_WITH_SPLIT) MCV_WORD(slot, branch, 0) = 0u;
+    if (MCV_WITH_SPLIT) MCV_WORD(slot, branch_number, 0) = 0u;
     if (MCV_WITH_RECORDS) MCV_WORD(slot, cell, 0) = id.cell;
 #if MCV_WITH_MOVING
     MCV_STORE(slot, time, 0, time);

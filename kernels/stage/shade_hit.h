@@ -36,13 +36,13 @@ MCV_LOOP_FUNCTION mcv_shaded mcv_shade_hit(mcv_world world, mcv_slot slot,
     shaded.on = mcv_scatter_as(world, slot, interaction, shading, pair, choice.x,
                                mcv_may_split(slot), unmatched, &other, &unshaded);
     if (MCV_WITH_SPLIT &&
-        (shading.kind == MCV_SHADING_ANY ? other.chance > 0.0f : shading.splits)) {
+        (shading.kind == MCV_SHADING_ANY ? other.chance > 0.0f : shading.may_split)) {
         shaded.split =
             mcv_split_path(slot, shaded.on.event == MCV_EVENT_END ? shaded.on.remainder : pair.x,
                            shaded.throughput, shaded.on, other);
         shaded.on = shaded.split.on;
-        MCV_WORD(slot, branch, 0) += (uint)shaded.split.splits;
-        shaded.fate = shaded.split.branches ? MCV_SPLITS : 0u;
+        MCV_WORD(slot, branch_number, 0) += (uint)shaded.split.splits;
+        shaded.fate = shaded.split.branch_lives ? MCV_SPLITS : 0u;
     }
     shaded.throughput = mcv_tint(shaded.throughput, shaded.on.factor);
     const mcv_roulette roulette =

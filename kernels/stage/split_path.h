@@ -17,14 +17,14 @@
          : 1.0f)
 
 MCV_LOOP_FUNCTION int mcv_may_split(mcv_slot slot) {
-    return MCV_WITH_SPLIT && MCV_WORD(slot, branch, 0) + 1u < MCV_BRANCHES;
+    return MCV_WITH_SPLIT && MCV_WORD(slot, branch_number, 0) + 1u < MCV_BRANCHES;
 }
 
 /* The result of splitting. */
 typedef struct mcv_split {
     mcv_scattering on, other; /* the path's and the branch's lobe, */
     mcv_color carried;        /* what the branch carries, */
-    int splits, branches;     /* and whether there are both */
+    int splits, branch_lives; /* and whether there are both */
 } mcv_split;
 
 /*
@@ -49,16 +49,17 @@ MCV_LOOP_FUNCTION mcv_split mcv_split_path(mcv_slot slot, float xi, mcv_color th
     if (MCV_WITH_ENVIRONMENT || MCV_WITH_ENVIRONMENT_IMAGE) {
         /* What roulette would soon play for is left to chance: light from all sides keeps being
          * found without noise. */
-        const float branches = split.other.chance / lives,
-                    goes_on = lives < 1.0f ? 1.0f - branches : likelier.chance;
-        const float least = mcv_brightest(throughput) * (goes_on < branches ? goes_on : branches);
+        const float branch_share = split.other.chance / lives,
+                    goes_on = lives < 1.0f ? 1.0f - branch_share : likelier.chance;
+        const float least =
+            mcv_brightest(throughput) * (goes_on < branch_share ? goes_on : branch_share);
         split.splits &= !(least < MCV_ROULETTE_WEIGHT * (1.0f - 8.0f * MCV_UNIT_ROUNDOFF));
         weight = lives < 1.0f ? xi < lives ? goes_on : 1.0f : weight;
     }
     split.on = mcv_choose_scattering(split.splits, likelier, on);
     split.on.factor = mcv_dim(split.on.factor, split.splits ? weight : 1.0f);
     split.carried = mcv_dim(mcv_tint(throughput, split.other.factor), split.other.chance / lives);
-    split.branches = split.splits & (xi < lives) & (mcv_brightest(split.carried) > 0.0f);
+    split.branch_lives = split.splits & (xi < lives) & (mcv_brightest(split.carried) > 0.0f);
     return split;
 }
 
@@ -85,8 +86,8 @@ MCV_LOOP_FUNCTION mcv_split mcv_load_split(mcv_slot slot) {
 MCV_LOOP_FUNCTION void mcv_continue_branch(mcv_world world, mcv_slot slot,
                                            const mcv_interaction *interaction, mcv_shading shading,
                                            mcv_split split) {
-    const uint number = MCV_WORD(slot, branch, 0);
-    MCV_WORD(slot, branch, 0) = MCV_BRANCHES + number;
+    const uint number = MCV_WORD(slot, branch_number, 0);
+    MCV_WORD(slot, branch_number, 0) = MCV_BRANCHES + number;
     MCV_WORD(slot, stream, 0) = mcv_hash_2(MCV_WORD(slot, stream, 0), number);
     MCV_EACH_CHANNEL(i) MCV_STORE(slot, radiance, i, 0.0f);
     mcv_continue_path(world, slot, interaction, shading, split.other, split.carried, 0);

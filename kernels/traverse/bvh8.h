@@ -8,8 +8,8 @@
 #include "traverse/triangle.h"
 
 /* Begins to fetch a child that waits: by its turn it has come. Of a leaf a line too many, which
- * costs less than a branch that no processor foresees. Only where all memory is the host's; clang
- * has no global form. */
+ * costs less than a conditional jump that no processor foresees. Only where all memory is the
+ * host's; clang has no global form. */
 static inline void mcv_prefetch_child(__global const mcv_node *nodes,
                                       __global const mcv_leaf *leaves, uint child) {
 #ifdef MCV_AVX_BUILTINS

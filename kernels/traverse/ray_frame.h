@@ -124,7 +124,7 @@ MCV_LOOP_FUNCTION uint mcv_intersect_boxes(__global const mcv_node *node, const 
     return mcv_intersect_boxes_lanes(node, slabs, t_max, entry, &entered);
 }
 
-/* Whether a ray enters one box before it ends, without branches. */
+/* Whether a ray enters one box before it ends, without conditional jumps. */
 MCV_LOOP_FUNCTION int mcv_enters_box(const float *low, const float *high, float extent,
                                      mcv_vec3 origin, mcv_vec3 direction, float end) {
     const float o[3] = {origin.x, origin.y, origin.z},

@@ -51,7 +51,7 @@ MCV_LOOP_FUNCTION uint8 mcv_sort8(uint8 keys) {
 
 /*
  * The children of a node that the ray enters wait, the nearest on top or, where any hit will do,
- * the first. Without branches: which of them a ray enters no processor foresees.
+ * the first. Without conditional jumps: which of them a ray enters no processor foresees.
  */
 MCV_LOOP_FUNCTION void mcv_visit_children(__global const mcv_node *node, int any,
                                           mcv_traversal *t) {
@@ -82,7 +82,8 @@ typedef struct mcv_traversal_lists {
     uint nodes, leaves, ends;
 } mcv_traversal_lists;
 
-/* Puts a straggler on its list without branches: a place of all is written, one of them counts. */
+/* Puts a straggler on its list without conditional jumps: a place of all is written, one of them
+ * counts. */
 MCV_LOOP_FUNCTION void mcv_list_traversal(__global const mcv_node *nodes,
                                           __global const mcv_leaf *leaves, uint i, uint current,
                                           mcv_traversal_lists *lists) {
