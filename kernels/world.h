@@ -28,7 +28,7 @@
 #define MCV_WHERE_1(item) item
 #define MCV_WHERE(feature, item) MCV_JOIN(MCV_WHERE_, feature, )(item)
 
-#if MCV_WITH_GLOSS
+#if MCV_WITH_GLOSSY
 #include "mcvisi/materials/microfacet.h"
 #endif
 

@@ -119,7 +119,7 @@ static void find_of_material(finding *f, const mcv_material *m) {
         {MCV_FEATURE_SPLIT, plate || glass},
         {MCV_FEATURE_SHEET, plate},
         {MCV_FEATURE_MIRROR, m->type == MCV_MATERIAL_MIRROR},
-        {MCV_FEATURE_GLOSS, mcv_material_is_rough(m) || m->type == MCV_MATERIAL_CONDUCTOR},
+        {MCV_FEATURE_GLOSSY, mcv_material_is_rough(m) || m->type == MCV_MATERIAL_CONDUCTOR},
         {MCV_FEATURE_METAL, m->type == MCV_MATERIAL_CONDUCTOR},
         {MCV_FEATURE_METALLIC, m->type == MCV_MATERIAL_METALLIC_ROUGHNESS},
         {MCV_FEATURE_ROUGH_GLASS, glass && mcv_material_is_rough(m)},
@@ -219,7 +219,7 @@ static bool may_touch(const mcv_scene *scene, const mcv_box3d *boxes, uint32_t p
 /* Next-event estimation and its variants, which depend on the packed emitters. */
 static void find_next_event(finding *f, const mcv_scene *scene, const mcv_packed *packed) {
     const uint64_t scatters =
-        MCV_FEATURE_BIT(DIFFUSE) | MCV_FEATURE_BIT(GLOSS) | MCV_FEATURE_BIT(REFLECTOR);
+        MCV_FEATURE_BIT(DIFFUSE) | MCV_FEATURE_BIT(GLOSSY) | MCV_FEATURE_BIT(REFLECTOR);
     const uint64_t by_chance =
         MCV_FEATURE_BIT(ENVIRONMENT) | MCV_FEATURE_BIT(DIELECTRIC) | MCV_FEATURE_BIT(SHEET);
     bool rectangle = false, emits = false;

@@ -30,7 +30,7 @@ void mcv_packed_free(mcv_packed *packed) {
     free(packed->triangles);
     free(packed->instances);
     free(packed->materials);
-    free(packed->gloss);
+    free(packed->glossy);
     free(packed->albedos);
     free(packed->albedo_sources);
     free(packed->contact_grid);
@@ -109,8 +109,8 @@ static mcv_result allocate_arrays(const mcv_scene *scene, mcv_packed *p, mcv_err
         p->normals = mcv_pack_allocate(3 * vertices, sizeof(float), &failed);
     if (p->features >> MCV_FEATURE_TEXTURE & 1)
         p->texcoords = mcv_pack_allocate(2 * p->texcoord_sets * vertices, sizeof(float), &failed);
-    if (p->features >> MCV_FEATURE_GLOSS & 1)
-        p->gloss = mcv_pack_allocate(scene->material_count, sizeof *p->gloss, &failed);
+    if (p->features >> MCV_FEATURE_GLOSSY & 1)
+        p->glossy = mcv_pack_allocate(scene->material_count, sizeof *p->glossy, &failed);
     if (mcv_scene_has_directions(scene))
         p->tangents = mcv_pack_allocate(4 * vertices, sizeof(float), &failed);
     p->indices = mcv_pack_allocate(3 * triangles, sizeof(uint32_t), &failed);
@@ -162,7 +162,7 @@ static mcv_result pack_all(const mcv_scene *scene, const mcv_packed *earlier, mc
     for (uint32_t i = 0; i < scene->material_count; ++i)
         packed->materials[i] = mcv_pack_material(&scene->materials[i]);
     mcv_pack_textures(scene, packed);
-    if (packed->gloss) MCV_TRY(mcv_pack_gloss(scene, earlier, packed, error));
+    if (packed->glossy) MCV_TRY(mcv_pack_glossy(scene, earlier, packed, error));
     if (packed->solids) mcv_pack_solids(scene, packed);
     MCV_TRY(mcv_pack_media(scene, earlier, packed, error));
     MCV_TRY(mcv_pack_contacts(scene, packed, error));

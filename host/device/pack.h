@@ -48,7 +48,7 @@ typedef struct mcv_packed {
     float *tangents; /* 4 per vertex: direction, handedness; NULL without anisotropic surfaces */
     mcv_device_instance *instances;
     mcv_device_material *materials;
-    mcv_device_gloss *gloss; /* of each material, or NULL */
+    mcv_device_glossy *glossy; /* of each material, or NULL */
     float *albedos;
     size_t albedo_count;
     mcv_albedo_source *albedo_sources; /* of each table in it */

@@ -109,13 +109,13 @@ static bool in_use(const mcv_scene *scene, uint32_t material) {
     return false;
 }
 
-mcv_result mcv_pack_gloss(const mcv_scene *scene, const mcv_packed *earlier, mcv_packed *packed,
-                          mcv_error *error) {
+mcv_result mcv_pack_glossy(const mcv_scene *scene, const mcv_packed *earlier, mcv_packed *packed,
+                           mcv_error *error) {
     for (uint32_t i = 0; i < scene->material_count; ++i) {
         const mcv_material *from = &scene->materials[i];
-        mcv_device_gloss *to = &packed->gloss[i];
+        mcv_device_glossy *to = &packed->glossy[i];
         const mcv_roughness roughness = mcv_material_roughness(from);
-        *to = (mcv_device_gloss){
+        *to = (mcv_device_glossy){
             .roughness = (float)roughness.roughness,
             .anisotropy = (float)(roughness.anisotropy * roughness.anisotropy),
             .direction = {(float)cos(roughness.rotation), (float)sin(roughness.rotation)},
@@ -178,20 +178,20 @@ mcv_result mcv_pack_interfaces(const mcv_scene *scene, const mcv_packed *earlier
      * priority. */
     for (uint32_t inside = 1; inside <= count; ++inside) {
         const mcv_material *material = &scene->materials[materials[inside]];
-        const mcv_device_gloss *gloss = &packed->gloss[materials[inside]];
+        const mcv_device_glossy *glossy = &packed->glossy[materials[inside]];
         double alpha[2];
         if (!mcv_material_is_rough(material)) continue;
-        alphas(gloss->roughness, gloss->anisotropy, alpha);
+        alphas(glossy->roughness, glossy->anisotropy, alpha);
         for (uint32_t outside = 0; outside < inside; ++outside) {
             if (alpha[1] * fabs(index[inside] - index[outside]) / index[outside] < least_spread)
                 continue;
-            const mcv_albedo_source source = {.roughness = gloss->roughness,
-                                              .anisotropy = gloss->anisotropy,
+            const mcv_albedo_source source = {.roughness = glossy->roughness,
+                                              .anisotropy = glossy->anisotropy,
                                               .n_outside = index[outside],
                                               .n_inside = index[inside],
                                               .coating =
                                                   mcv_material_coating(material, index[outside]),
-                                              .azimuths = gloss->azimuths,
+                                              .azimuths = glossy->azimuths,
                                               .roughnesses = 1};
             uint32_t table;
             MCV_TRY(find_table(earlier, packed, source, &table, error));

@@ -5,10 +5,10 @@
 
 #include "device/pack.h"
 
-/* Fills packed->gloss, the values of rough conductors, and the albedos of reflecting materials.
+/* Fills packed->glossy, the values of rough conductors, and the albedos of reflecting materials.
  * Fails only without memory. `earlier`: see mcv_pack. */
-mcv_result mcv_pack_gloss(const mcv_scene *scene, const mcv_packed *earlier, mcv_packed *packed,
-                          mcv_error *error);
+mcv_result mcv_pack_glossy(const mcv_scene *scene, const mcv_packed *earlier, mcv_packed *packed,
+                           mcv_error *error);
 
 /* The albedos of the interfaces between media 0 … count, of which m > 0 bounds bodies of the
  * material materials[m]. */

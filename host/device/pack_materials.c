@@ -143,7 +143,7 @@ uint32_t mcv_shading_of(const mcv_packed *packed, const mcv_device_instance *ins
         return m->scattering_sides == 1 ? MCV_SHADING_DIFFUSE : MCV_SHADING_ANY;
     if (m->type == MCV_MATERIAL_DIELECTRIC && !m->scattering_sides)
         return m->texture == MCV_NONE ? MCV_SHADING_SMOOTH : MCV_SHADING_ANY;
-    return packed->gloss && m->scattering_sides && !mcv_material_is_scatterer(m->type)
-               ? MCV_SHADING_GLOSS
+    return packed->glossy && m->scattering_sides && !mcv_material_is_scatterer(m->type)
+               ? MCV_SHADING_GLOSSY
                : MCV_SHADING_ANY;
 }

@@ -109,7 +109,7 @@ mcv_result mcv_pack_media(const mcv_scene *scene, const mcv_packed *earlier, mcv
     for (uint32_t m = 0; m < count; ++m) materials[m + 1] = sorted[m].material;
     for (int channel = 0; channel < 3; ++channel)
         pack_media(scene, packed, count, materials, channel);
-    if (!packed->gloss) return MCV_OK;
+    if (!packed->glossy) return MCV_OK;
     double index[MCV_MAX_MEDIA + 1] = {1.0};
     for (uint32_t m = 1; m <= count; ++m)
         index[m] = scene->materials[materials[m]].as.medium.ior[MCV_ALBEDO_CHANNEL];

@@ -34,8 +34,8 @@
       p->instance_count * sizeof *p->instances, p->instances) \
     X(__global, const mcv_device_material, materials, "the materials", \
       p->material_count * sizeof *p->materials, p->materials) \
-    X(__global, const mcv_device_gloss, gloss, "the glossy materials", \
-      present(p->gloss, p->material_count * sizeof *p->gloss), p->gloss) \
+    X(__global, const mcv_device_glossy, glossy, "the glossy materials", \
+      present(p->glossy, p->material_count * sizeof *p->glossy), p->glossy) \
     X(__global, const float, albedos, "the albedos of microfacets", 4 * p->albedo_count, \
       p->albedos) \
     X(__global, const mcv_device_medium, media, "the media", tables * sizeof p->media[0], \
@@ -44,7 +44,7 @@
       tables * sizeof p->interfaces[0], p->interfaces) \
     /* Where the albedos of a rough interface begin; MCV_NONE: it is smooth. */ \
     X(__global, const uint, interface_albedos, "the rough interfaces", \
-      dielectric && p->gloss ? sizeof p->interface_albedos : 0, p->interface_albedos) \
+      dielectric && p->glossy ? sizeof p->interface_albedos : 0, p->interface_albedos) \
     X(__global, const mcv_contact_grid, contact_grid, "where bodies may touch", \
       present(p->contact_grid, sizeof *p->contact_grid), p->contact_grid) \
     X(__global, const mcv_device_emitter, emitters, "the emitters", \

@@ -20,7 +20,7 @@
       "transmitted") \
     X(SHEET, "sheet", "a thin sheet or a beam splitter transmits") \
     X(MIRROR, "mirror", "a mirror reflects") \
-    X(GLOSS, "gloss", "a metal or a rough surface reflects") \
+    X(GLOSSY, "gloss", "a metal or a rough surface reflects") \
     X(METAL, "metal", "a conductor reflects") \
     X(METALLIC, "metallic-roughness", "a metallic-roughness surface reflects") \
     X(ROUGH_GLASS, "rough-glass", "the surface of a body of glass is rough") \

@@ -109,7 +109,7 @@ MCV_ASSERT_SIZE(mcv_device_instance, 24);
 enum {
     MCV_SHADING_ANY,
     MCV_SHADING_DIFFUSE,
-    MCV_SHADING_GLOSS,
+    MCV_SHADING_GLOSSY,
     MCV_SHADING_SMOOTH,
     MCV_SHADING_BLACK
 };
@@ -143,7 +143,7 @@ typedef struct mcv_device_material {
 MCV_ASSERT_SIZE(mcv_device_material, 80);
 
 /* What a glossy material has in addition, under the same index; kernels/bsdf/microfacet.h. */
-typedef struct mcv_device_gloss {
+typedef struct mcv_device_glossy {
     float roughness;    /* if no texture scales it */
     float anisotropy;   /* α_t = α + (1 - α) anisotropy; 0: isotropic */
     float direction[2]; /* cosine and sine of the angle from the tangent */
@@ -160,8 +160,8 @@ typedef struct mcv_device_gloss {
     uint multiple;    /* where its tables of multiple scattering begin, one per roughness
                          (MCV_MULTIPLE_ROUGHNESSES); or MCV_NONE */
     uint padding[5];
-} mcv_device_gloss;
-MCV_ASSERT_SIZE(mcv_device_gloss, 96);
+} mcv_device_glossy;
+MCV_ASSERT_SIZE(mcv_device_glossy, 96);
 
 typedef struct mcv_device_medium {
     float absorption[3];         /* [1/m] */

@@ -31,12 +31,12 @@ MCV_FUNCTION mcv_response mcv_respond(mcv_world world, mcv_interaction interacti
                                    mcv_material_value(world, interaction.surface, material), media,
                                    direction);
 #endif
-#if MCV_WITH_GLOSS
+#if MCV_WITH_GLOSSY
     if (mcv_is_rough(world, &interaction, media)) {
-        mcv_gloss_interaction room;
-        const mcv_gloss_interaction *m =
-            mcv_known_gloss(world, &interaction, material, media, &room);
-        return mcv_respond_gloss(world, &interaction, material, m, direction);
+        mcv_glossy_interaction room;
+        const mcv_glossy_interaction *m =
+            mcv_known_glossy(world, &interaction, material, media, &room);
+        return mcv_respond_glossy(world, &interaction, material, m, direction);
     }
 #endif
 #if MCV_WITH_REFLECTOR
@@ -87,15 +87,15 @@ MCV_FUNCTION mcv_scattering mcv_scatter(mcv_world world, mcv_interaction interac
     *other = scattering;
     other->chance = 0.0f;
     (void)pair, (void)choice, (void)may_split, (void)unmatched;
-#if MCV_WITH_GLOSS
+#if MCV_WITH_GLOSSY
     if (mcv_is_rough(world, &interaction, media)) {
         *unmatched += mcv_is_unmatched(world, &interaction, instance.medium, media);
-        return mcv_scatter_gloss(world, interaction, instance.material, media, pair, choice,
-                                 may_split, other);
+        return mcv_scatter_glossy(world, interaction, instance.material, media, pair, choice,
+                                  may_split, other);
     }
 #endif
     switch (material.type) {
-#if MCV_WITH_GLOSS && MCV_WITH_METAL
+#if MCV_WITH_GLOSSY && MCV_WITH_METAL
     case MCV_MATERIAL_CONDUCTOR:
         return mcv_scatter_conductor(world, interaction, instance.material, media);
 #endif

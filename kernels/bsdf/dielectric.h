@@ -44,7 +44,7 @@ MCV_LOOP_FUNCTION mcv_crossing mcv_cross_surface(mcv_world world,
     crossing.between.delta = between->delta;
     crossing.between.scale = between->scale;
     crossing.between.offset = between->offset;
-    crossing.albedos = MCV_WITH_GLOSS ? world.interface_albedos[at] : MCV_NONE;
+    crossing.albedos = MCV_WITH_GLOSSY ? world.interface_albedos[at] : MCV_NONE;
     return crossing;
 }
 

@@ -11,24 +11,25 @@
 #include "bsdf/microfacet_lobes.h"
 
 /* What a microfacet reflects at a cosine of incidence. */
-MCV_LOOP_FUNCTION mcv_color mcv_gloss_fresnel(const mcv_device_gloss *m, const mcv_gloss *gloss,
-                                              float cosine) {
+MCV_LOOP_FUNCTION mcv_color mcv_microfacet_fresnel(const mcv_device_glossy *m,
+                                                   const mcv_microfacets *microfacets,
+                                                   float cosine) {
     mcv_color reflected;
     const float c = cosine < 1.0f ? cosine : 1.0f;
 #if MCV_WITH_ROUGH_GLASS
-    if (gloss->type == MCV_MATERIAL_DIELECTRIC)
-        return mcv_grey(
-            mcv_interface_reflectance(gloss->between, c, mcv_refracted_cosine(gloss->between, c)));
+    if (microfacets->type == MCV_MATERIAL_DIELECTRIC)
+        return mcv_grey(mcv_interface_reflectance(microfacets->between, c,
+                                                  mcv_refracted_cosine(microfacets->between, c)));
 #endif
-    if (MCV_WITH_METAL && gloss->type == MCV_MATERIAL_CONDUCTOR) {
+    if (MCV_WITH_METAL && microfacets->type == MCV_MATERIAL_CONDUCTOR) {
         MCV_EACH_CHANNEL(i)
-        reflected.c[i] =
-            mcv_conductor_fresnel(m->n[i] * gloss->between.eta, m->k[i] * gloss->between.eta, c);
+        reflected.c[i] = mcv_conductor_fresnel(m->n[i] * microfacets->between.eta,
+                                               m->k[i] * microfacets->between.eta, c);
         return reflected;
     }
     const float rise = mcv_schlick(c);
     MCV_EACH_CHANNEL(i) {
-        const float f0 = mcv_fma(gloss->metallic, gloss->base.c[i] - m->f0, m->f0);
+        const float f0 = mcv_fma(microfacets->metallic, microfacets->base.c[i] - m->f0, m->f0);
         reflected.c[i] = mcv_fma(1.0f - f0, rise, f0);
     }
     return reflected;
@@ -36,10 +37,11 @@ MCV_LOOP_FUNCTION mcv_color mcv_gloss_fresnel(const mcv_device_gloss *m, const m
 
 /* With which a microfacet is chosen to reflect rather than to pass; `passed` gets what it passes,
  * per channel. */
-MCV_LOOP_FUNCTION float mcv_gloss_reflects(const mcv_device_gloss *m, const mcv_gloss *gloss,
-                                           const mcv_lobes *lobes, float cosine,
-                                           mcv_color reflected, mcv_color *passed) {
-    if (MCV_WITH_ROUGH_GLASS && gloss->type == MCV_MATERIAL_DIELECTRIC) {
+MCV_LOOP_FUNCTION float mcv_microfacet_reflects(const mcv_device_glossy *m,
+                                                const mcv_microfacets *microfacets,
+                                                const mcv_lobes *lobes, float cosine,
+                                                mcv_color reflected, mcv_color *passed) {
+    if (MCV_WITH_ROUGH_GLASS && microfacets->type == MCV_MATERIAL_DIELECTRIC) {
         *passed = mcv_grey(1.0f - reflected.c[0]);
         return reflected.c[0];
     }
@@ -51,16 +53,17 @@ MCV_LOOP_FUNCTION float mcv_gloss_reflects(const mcv_device_gloss *m, const mcv_
 }
 
 /* The response of the specular lobe, and of the cosine lobe on the side of i. */
-MCV_LOOP_FUNCTION mcv_response mcv_add_cosine_lobes(const mcv_device_gloss *m,
-                                                    const mcv_gloss *gloss,
+MCV_LOOP_FUNCTION mcv_response mcv_add_cosine_lobes(const mcv_device_glossy *m,
+                                                    const mcv_microfacets *microfacets,
                                                     __global const float *albedos,
                                                     const mcv_lobes *lobes, mcv_vec3 i,
                                                     mcv_response response) {
     const int far = i.z < 0.0f, sees = i.z != 0.0f;
     mcv_albedo weights = {0.0f, 0.0f};
-    if (gloss->type == MCV_MATERIAL_METALLIC_ROUGHNESS ||
-        !mcv_has_multiple(m, gloss)) /* others have cosine lobes in their choices alone */
-        weights = mcv_gloss_weights(m, gloss, mcv_albedo_at(m, gloss, albedos, i, 0));
+    if (microfacets->type == MCV_MATERIAL_METALLIC_ROUGHNESS ||
+        !mcv_has_multiple(m, microfacets)) /* others have cosine lobes in their choices alone */
+        weights =
+            mcv_microfacet_weights(m, microfacets, mcv_albedo_at(m, microfacets, albedos, i, 0));
     const float diffuse = mcv_abs(i.z) * (1.0f / MCV_PI);
     MCV_EACH_CHANNEL(k) {
         const float a = far ? lobes->far_a.c[k] : lobes->near_a.c[k];
@@ -75,35 +78,37 @@ MCV_LOOP_FUNCTION mcv_response mcv_add_cosine_lobes(const mcv_device_gloss *m,
     return response;
 }
 
-MCV_LOOP_FUNCTION mcv_response mcv_gloss_respond(const mcv_device_gloss *m, const mcv_gloss *gloss,
-                                                 __global const float *albedos,
-                                                 const mcv_lobes *lobes, mcv_vec3 o, mcv_vec3 i) {
+MCV_LOOP_FUNCTION mcv_response mcv_microfacet_respond(const mcv_device_glossy *m,
+                                                      const mcv_microfacets *microfacets,
+                                                      __global const float *albedos,
+                                                      const mcv_lobes *lobes, mcv_vec3 o,
+                                                      mcv_vec3 i) {
     mcv_response response;
-    const int far = i.z < 0.0f, refracts = far & (gloss->type == MCV_MATERIAL_DIELECTRIC),
+    const int far = i.z < 0.0f, refracts = far & (microfacets->type == MCV_MATERIAL_DIELECTRIC),
               sees = i.z != 0.0f;
     response.media = 0;
 
     /* The microfacet normal that sends i to o, and d²h/d²i. */
     const mcv_vec3 mirrored = mcv_vec(i.x, i.y, mcv_abs(i.z));
     mcv_vec3 h = mcv_normalize(
-        mcv_choose(refracts, mcv_along(i, gloss->between.eta, o), mcv_add(o, mirrored)));
+        mcv_choose(refracts, mcv_along(i, microfacets->between.eta, o), mcv_add(o, mirrored)));
     h = mcv_scale(h, (refracts & (h.z < 0.0f)) ? -1.0f : 1.0f);
     const float cosine = mcv_dot(o, h);
     const float behind = -mcv_dot(i, h);
-    const float sum = mcv_fma(gloss->between.eta, cosine, -behind);
+    const float sum = mcv_fma(microfacets->between.eta, cosine, -behind);
     const float jacobian =
         refracts ? (behind > 0.0f ? behind / (sum * sum) : 0.0f) : 0.25f / cosine;
     const int meets = sees & (cosine > 0.0f) & (jacobian > 0.0f) & (jacobian < INFINITY);
     mcv_color passed;
-    mcv_color reflected = mcv_gloss_fresnel(m, gloss, cosine);
-    const float chance = mcv_gloss_reflects(m, gloss, lobes, cosine, reflected, &passed);
-    const int multiplied = mcv_has_multiple(m, gloss);
+    mcv_color reflected = mcv_microfacet_fresnel(m, microfacets, cosine);
+    const float chance = mcv_microfacet_reflects(m, microfacets, lobes, cosine, reflected, &passed);
+    const int multiplied = mcv_has_multiple(m, microfacets);
     mcv_color multiple = mcv_grey(0.0f);
-    if (multiplied && (!far || refracts || gloss->type == MCV_MATERIAL_CONDUCTOR))
-        multiple = mcv_gloss_multiple(m, gloss, albedos, lobes->more, o, mirrored, far);
+    if (multiplied && (!far || refracts || microfacets->type == MCV_MATERIAL_CONDUCTOR))
+        multiple = mcv_microfacet_multiple(m, microfacets, albedos, lobes->more, o, mirrored, far);
     MCV_EACH_CHANNEL(k) reflected.c[k] += multiple.c[k];
-    const float facets = mcv_ggx_density(gloss->alpha, h) * cosine * jacobian / o.z;
-    const float lambda = mcv_ggx_lambda(gloss->alpha, i);
+    const float facets = mcv_ggx_density(microfacets->alpha, h) * cosine * jacobian / o.z;
+    const float lambda = mcv_ggx_lambda(microfacets->alpha, i);
     float seen = facets / (1.0f + lobes->lambda + lambda);
 #if MCV_WITH_DIELECTRIC
     if (refracts) seen = facets * mcv_opposite_masking(lobes->lambda, lambda);
@@ -120,32 +125,35 @@ MCV_LOOP_FUNCTION mcv_response mcv_gloss_respond(const mcv_device_gloss *m, cons
         meets ? lobes->specular * (far ? 1.0f - chance : chance) * facets / (1.0f + lobes->lambda)
               : 0.0f;
 
-    return mcv_add_cosine_lobes(m, gloss, albedos, lobes, i, response);
+    return mcv_add_cosine_lobes(m, microfacets, albedos, lobes, i, response);
 }
 
-/* A direction with the density that mcv_gloss_respond gives; the zero vector where the path ends.
+/* A direction with the density that mcv_microfacet_respond gives; the zero vector where the path
+ * ends.
  */
-MCV_LOOP_FUNCTION mcv_vec3 mcv_gloss_sample(const mcv_device_gloss *m, const mcv_gloss *gloss,
-                                            const mcv_lobes *lobes, mcv_vec3 o, float xi, float eta,
-                                            float choice) {
+MCV_LOOP_FUNCTION mcv_vec3 mcv_microfacet_sample(const mcv_device_glossy *m,
+                                                 const mcv_microfacets *microfacets,
+                                                 const mcv_lobes *lobes, mcv_vec3 o, float xi,
+                                                 float eta, float choice) {
     const mcv_vec3 spread = mcv_sample_cosine(xi, eta);
     const int diffuse = choice >= lobes->specular,
               near = choice - lobes->specular < lobes->near_chance;
-    const mcv_vec3 h = mcv_ggx_sample(gloss->alpha, o, xi, eta);
+    const mcv_vec3 h = mcv_ggx_sample(microfacets->alpha, o, xi, eta);
     const float cosine = mcv_dot(o, h);
     mcv_color passed;
-    const float share =
-        mcv_gloss_reflects(m, gloss, lobes, cosine, mcv_gloss_fresnel(m, gloss, cosine), &passed);
+    const float share = mcv_microfacet_reflects(
+        m, microfacets, lobes, cosine, mcv_microfacet_fresnel(m, microfacets, cosine), &passed);
     const int passes =
-        gloss->type == MCV_MATERIAL_DIELECTRIC || mcv_brightest(lobes->passing) > 0.0f;
+        microfacets->type == MCV_MATERIAL_DIELECTRIC || mcv_brightest(lobes->passing) > 0.0f;
     const int reflects = choice < lobes->specular * (passes ? share : 1.0f);
     mcv_vec3 i = mcv_normalize(mcv_along(mcv_scale(o, -1.0f), 2.0f * cosine, h));
     int goes_on = i.z > 0.0f;
     i.z = reflects ? i.z : -i.z;
-    if (MCV_WITH_ROUGH_GLASS && gloss->type == MCV_MATERIAL_DIELECTRIC) {
+    if (MCV_WITH_ROUGH_GLASS && microfacets->type == MCV_MATERIAL_DIELECTRIC) {
         const float c1 = cosine < 1.0f ? cosine : 1.0f;
-        const float c2 = mcv_refracted_cosine(gloss->between, c1);
-        const mcv_vec3 refracted = mcv_refract(gloss->between, mcv_scale(o, -1.0f), h, c1, c2);
+        const float c2 = mcv_refracted_cosine(microfacets->between, c1);
+        const mcv_vec3 refracted =
+            mcv_refract(microfacets->between, mcv_scale(o, -1.0f), h, c1, c2);
         goes_on = reflects ? goes_on : (c2 > 0.0f) & (refracted.z < 0.0f);
         i = mcv_choose(reflects, i, refracted);
     }

@@ -19,12 +19,13 @@ typedef struct mcv_lobes {
 
 /* What a(i) and b(i) are: of a metallic-roughness surface what the layer passes, and what its
  * microfacets send on to each other. */
-MCV_LOOP_FUNCTION mcv_albedo mcv_gloss_weights(const mcv_device_gloss *m, const mcv_gloss *gloss,
-                                               mcv_albedo albedo) {
+MCV_LOOP_FUNCTION mcv_albedo mcv_microfacet_weights(const mcv_device_glossy *m,
+                                                    const mcv_microfacets *microfacets,
+                                                    mcv_albedo albedo) {
     mcv_albedo weights;
     weights.a = 1.0f - mcv_fma(m->f0, 1.0f - albedo.a - albedo.b, albedo.b);
     weights.b = albedo.a;
-    if (gloss->type == MCV_MATERIAL_DIELECTRIC) return albedo;
+    if (microfacets->type == MCV_MATERIAL_DIELECTRIC) return albedo;
     return weights;
 }
 
@@ -39,23 +40,25 @@ MCV_LOOP_FUNCTION mcv_lobes mcv_no_lobes(float lambda) {
 
 #if MCV_WITH_ROUGH_GLASS
 /* Of rough glass, by the table's entries for o. */
-MCV_LOOP_FUNCTION mcv_lobes mcv_glass_lobes(const mcv_device_gloss *m, const mcv_gloss *gloss,
+MCV_LOOP_FUNCTION mcv_lobes mcv_glass_lobes(const mcv_device_glossy *m,
+                                            const mcv_microfacets *microfacets,
                                             __global const float *albedos, mcv_vec3 o,
                                             mcv_albedo at, mcv_lobes lobes) {
     /* a: what is missing outside the body, b: inside. */
-    const float missing = gloss->inside ? at.b : at.a;
-    const float square = gloss->between.eta * gloss->between.eta;
+    const float missing = microfacets->inside ? at.b : at.a;
+    const float square = microfacets->between.eta * microfacets->between.eta;
     if (mcv_has_multiple(
-            m, gloss)) { /* the table has it; cosines choose directions, by n² of either side */
+            m,
+            microfacets)) { /* the table has it; cosines choose directions, by n² of either side */
         lobes.far_chance = missing / (1.0f + square);
         lobes.near_chance = missing - lobes.far_chance;
         lobes.specular = 1.0f - missing;
         return lobes;
     }
     /* Light in the medium s leaves into t with the share n_t² M_t/X, by X = Σ n² M. */
-    const mcv_albedo mean = mcv_albedo_at(m, gloss, albedos, o, 1);
-    const float near_mean = gloss->inside ? mean.b : mean.a;
-    const float far_mean = gloss->inside ? mean.a : mean.b;
+    const mcv_albedo mean = mcv_albedo_at(m, microfacets, albedos, o, 1);
+    const float near_mean = microfacets->inside ? mean.b : mean.a;
+    const float far_mean = microfacets->inside ? mean.a : mean.b;
     const float near = square * near_mean;
     const float sum = near + far_mean;
     const float share = near > 0.0f ? missing / sum : 0.0f;
@@ -63,43 +66,46 @@ MCV_LOOP_FUNCTION mcv_lobes mcv_glass_lobes(const mcv_device_gloss *m, const mcv
     lobes.far_chance = near > 0.0f ? missing - lobes.near_chance : 0.0f;
     lobes.specular = 1.0f - lobes.near_chance - lobes.far_chance;
     MCV_EACH_CHANNEL(k) {
-        lobes.near_a.c[k] = gloss->inside ? 0.0f : share * square;
-        lobes.near_b.c[k] = gloss->inside ? share * square : 0.0f;
-        lobes.far_a.c[k] = gloss->inside ? share : 0.0f;
-        lobes.far_b.c[k] = gloss->inside ? 0.0f : share;
+        lobes.near_a.c[k] = microfacets->inside ? 0.0f : share * square;
+        lobes.near_b.c[k] = microfacets->inside ? share * square : 0.0f;
+        lobes.far_a.c[k] = microfacets->inside ? share : 0.0f;
+        lobes.far_b.c[k] = microfacets->inside ? 0.0f : share;
     }
     return lobes;
 }
 #endif
 
 /* Of a metallic-roughness surface, by the table's entries for o and their means. */
-MCV_LOOP_FUNCTION mcv_lobes mcv_layer_lobes(const mcv_device_gloss *m, const mcv_gloss *gloss,
-                                            mcv_albedo at, mcv_albedo mean, float missing,
-                                            mcv_lobes lobes) {
-    const mcv_albedo weights = mcv_gloss_weights(m, gloss, at);
-    const float below = weights.a / mcv_gloss_weights(m, gloss, mean).a * (1.0f - gloss->metallic);
-    const float brightest = mcv_brightest(gloss->base);
+MCV_LOOP_FUNCTION mcv_lobes mcv_layer_lobes(const mcv_device_glossy *m,
+                                            const mcv_microfacets *microfacets, mcv_albedo at,
+                                            mcv_albedo mean, float missing, mcv_lobes lobes) {
+    const mcv_albedo weights = mcv_microfacet_weights(m, microfacets, at);
+    const float below =
+        weights.a / mcv_microfacet_weights(m, microfacets, mean).a * (1.0f - microfacets->metallic);
+    const float brightest = mcv_brightest(microfacets->base);
     MCV_EACH_CHANNEL(i) {
-        const float f = mcv_fma(gloss->base.c[i], 1.0f - 1.0f / 21.0f, 1.0f / 21.0f);
+        const float f = mcv_fma(microfacets->base.c[i], 1.0f - 1.0f / 21.0f, 1.0f / 21.0f);
         const float again = f * f * (1.0f - mean.a) / mcv_fma(-f, mean.a, 1.0f);
         lobes.more.c[i] = f * again;
-        lobes.passing.c[i] = gloss->base.c[i] * m->transmission * (1.0f - gloss->metallic);
-        lobes.near_a.c[i] =
-            gloss->base.c[i] * below * (1.0f - m->transmission) * (1.0f - m->diffuse_transmission);
+        lobes.passing.c[i] =
+            microfacets->base.c[i] * m->transmission * (1.0f - microfacets->metallic);
+        lobes.near_a.c[i] = microfacets->base.c[i] * below * (1.0f - m->transmission) *
+                            (1.0f - m->diffuse_transmission);
         lobes.far_a.c[i] =
-            gloss->base.c[i] * below * (1.0f - m->transmission) * m->diffuse_transmission;
-        lobes.near_b.c[i] = m->multiple == MCV_NONE ? gloss->metallic * again * missing : 0.0f;
+            microfacets->base.c[i] * below * (1.0f - m->transmission) * m->diffuse_transmission;
+        lobes.near_b.c[i] =
+            m->multiple == MCV_NONE ? microfacets->metallic * again * missing : 0.0f;
         lobes.far_b.c[i] = lobes.passing.c[i] * missing;
     }
     /* By how much light they bring, of the brightest channel. */
-    const float f0 = mcv_fma(gloss->metallic, brightest - m->f0, m->f0);
+    const float f0 = mcv_fma(microfacets->metallic, brightest - m->f0, m->f0);
     const float reflected = mcv_fma(f0, 1.0f - at.a - at.b, at.b);
-    const float passed = brightest * m->transmission * (1.0f - gloss->metallic);
+    const float passed = brightest * m->transmission * (1.0f - microfacets->metallic);
     const float specular = mcv_fma(passed, weights.a - at.a, reflected);
     const float spread =
-        brightest * weights.a * (1.0f - gloss->metallic) * (1.0f - m->transmission);
+        brightest * weights.a * (1.0f - microfacets->metallic) * (1.0f - m->transmission);
     const float near =
-        mcv_fma(spread, 1.0f - m->diffuse_transmission, gloss->metallic * brightest * at.a);
+        mcv_fma(spread, 1.0f - m->diffuse_transmission, microfacets->metallic * brightest * at.a);
     const float far = mcv_fma(spread, m->diffuse_transmission, passed * at.a);
     const float sum = specular + near + far;
     lobes.specular = specular / sum;
@@ -108,23 +114,24 @@ MCV_LOOP_FUNCTION mcv_lobes mcv_layer_lobes(const mcv_device_gloss *m, const mcv
     return lobes;
 }
 
-MCV_LOOP_FUNCTION mcv_lobes mcv_gloss_lobes(const mcv_device_gloss *m, const mcv_gloss *gloss,
-                                            __global const float *albedos, mcv_vec3 o) {
-    mcv_lobes lobes = mcv_no_lobes(mcv_ggx_lambda(gloss->alpha, o));
-    const mcv_albedo at = mcv_albedo_at(m, gloss, albedos, o, 0);
+MCV_LOOP_FUNCTION mcv_lobes mcv_microfacet_lobes(const mcv_device_glossy *m,
+                                                 const mcv_microfacets *microfacets,
+                                                 __global const float *albedos, mcv_vec3 o) {
+    mcv_lobes lobes = mcv_no_lobes(mcv_ggx_lambda(microfacets->alpha, o));
+    const mcv_albedo at = mcv_albedo_at(m, microfacets, albedos, o, 0);
 #if MCV_WITH_ROUGH_GLASS
-    if (gloss->type == MCV_MATERIAL_DIELECTRIC)
-        return mcv_glass_lobes(m, gloss, albedos, o, at, lobes);
+    if (microfacets->type == MCV_MATERIAL_DIELECTRIC)
+        return mcv_glass_lobes(m, microfacets, albedos, o, at, lobes);
 #endif
-    const mcv_albedo mean = mcv_albedo_at(m, gloss, albedos, o, 1);
+    const mcv_albedo mean = mcv_albedo_at(m, microfacets, albedos, o, 1);
     const float missing = mean.a > 0.0f ? at.a / mean.a : 0.0f;
-    if (MCV_WITH_METAL && gloss->type == MCV_MATERIAL_CONDUCTOR) {
-        if (!mcv_has_multiple(m, gloss)) lobes.near_b = mcv_dim(gloss->base, missing);
+    if (MCV_WITH_METAL && microfacets->type == MCV_MATERIAL_CONDUCTOR) {
+        if (!mcv_has_multiple(m, microfacets)) lobes.near_b = mcv_dim(microfacets->base, missing);
         lobes.specular = 1.0f - at.a;
         lobes.near_chance = at.a;
         return lobes;
     }
-    return mcv_layer_lobes(m, gloss, at, mean, missing, lobes);
+    return mcv_layer_lobes(m, microfacets, at, mean, missing, lobes);
 }
 
 #endif

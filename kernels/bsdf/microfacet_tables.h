@@ -9,7 +9,7 @@
 #include "world.h"
 
 /* A glossy surface at a place. */
-typedef struct mcv_gloss {
+typedef struct mcv_microfacets {
     uint type; /* MCV_MATERIAL_… */
     mcv_alpha alpha;
     mcv_color
@@ -20,7 +20,7 @@ typedef struct mcv_gloss {
     uint inside;                  /* dielectric: 1: the ray is in the body */
     mcv_device_interface between; /* dielectric: from the ray's side to the other; conductor: eta is
                                      1/n of the medium before it */
-} mcv_gloss;
+} mcv_microfacets;
 
 typedef struct mcv_albedo {
     float a, b;
@@ -49,13 +49,14 @@ MCV_LOOP_FUNCTION mcv_albedo mcv_albedo_row(__global const float *rows, uint azi
 }
 
 /* The table's entries for a direction, or with `mean` their means over the hemisphere. */
-MCV_LOOP_FUNCTION mcv_albedo mcv_albedo_at(const mcv_device_gloss *m, const mcv_gloss *gloss,
+MCV_LOOP_FUNCTION mcv_albedo mcv_albedo_at(const mcv_device_glossy *m,
+                                           const mcv_microfacets *microfacets,
                                            __global const float *albedos, mcv_vec3 w, int mean) {
     const uint size = 2 + 2 * m->azimuths * MCV_ALBEDO_COSINES;
-    const uint layer = m->roughnesses > 1 ? min((uint)gloss->layer, m->roughnesses - 2) : 0;
-    const float f = gloss->layer - (float)layer;
+    const uint layer = m->roughnesses > 1 ? min((uint)microfacets->layer, m->roughnesses - 2) : 0;
+    const float f = microfacets->layer - (float)layer;
     __global const float *at =
-        albedos + (gloss->table == MCV_NONE ? 0u : gloss->table) + layer * size;
+        albedos + (microfacets->table == MCV_NONE ? 0u : microfacets->table) + layer * size;
     mcv_albedo low, high;
     low.a = at[0];
     low.b = at[1];
@@ -144,7 +145,7 @@ MCV_LOOP_FUNCTION float mcv_multiple_word(__global const float *table, mcv_multi
 }
 
 /* A word of a metal at its roughness. */
-MCV_LOOP_FUNCTION float mcv_metal_word(const mcv_device_gloss *m, float layer,
+MCV_LOOP_FUNCTION float mcv_metal_word(const mcv_device_glossy *m, float layer,
                                        __global const float *table, mcv_multiple_place place) {
     if (m->roughnesses == 1) return mcv_multiple_word(table, place);
     const uint size =
@@ -159,13 +160,13 @@ MCV_LOOP_FUNCTION float mcv_metal_word(const mcv_device_gloss *m, float layer,
 
 /* What Schlick's words of an entry are together: of f², f and 1 in two reflections, and of further
  * ones. */
-MCV_LOOP_FUNCTION mcv_color mcv_schlick_multiple(const mcv_gloss *gloss, mcv_color more,
+MCV_LOOP_FUNCTION mcv_color mcv_schlick_multiple(const mcv_microfacets *microfacets, mcv_color more,
                                                  float square, float linear, float least,
                                                  float rest) {
     mcv_color multiple;
     MCV_EACH_CHANNEL(c) {
-        const float b = gloss->base.c[c];
-        multiple.c[c] = gloss->metallic *
+        const float b = microfacets->base.c[c];
+        multiple.c[c] = microfacets->metallic *
                         mcv_fma(more.c[c], rest, mcv_fma(b, mcv_fma(b, square, linear), least));
     }
     return multiple;
@@ -176,18 +177,19 @@ MCV_LOOP_FUNCTION mcv_color mcv_schlick_multiple(const mcv_gloss *gloss, mcv_col
  * ones send there by one, on the other (far) over 1/(o_z (1 + Λ(o)) (1 + Λ(i))). Both directions
  * are given as if they lay above. The table of an interface lies behind its albedos.
  */
-MCV_LOOP_FUNCTION mcv_color mcv_gloss_multiple(const mcv_device_gloss *m, const mcv_gloss *gloss,
-                                               __global const float *tables, mcv_color more,
-                                               mcv_vec3 o, mcv_vec3 i, int far) {
+MCV_LOOP_FUNCTION mcv_color mcv_microfacet_multiple(const mcv_device_glossy *m,
+                                                    const mcv_microfacets *microfacets,
+                                                    __global const float *tables, mcv_color more,
+                                                    mcv_vec3 o, mcv_vec3 i, int far) {
     mcv_color multiple;
     (void)far;
 #if MCV_WITH_ROUGH_GLASS
-    if (gloss->type == MCV_MATERIAL_DIELECTRIC) {
-        const uint words = gloss->inside + (far ? 2u : 0u) + 2u + 2u * MCV_ALBEDO_COSINES;
+    if (microfacets->type == MCV_MATERIAL_DIELECTRIC) {
+        const uint words = microfacets->inside + (far ? 2u : 0u) + 2u + 2u * MCV_ALBEDO_COSINES;
         const uint known =
-            gloss->table != MCV_NONE; /* else it is smooth, and what is read does not count */
+            microfacets->table != MCV_NONE; /* else it is smooth, and what is read does not count */
         mcv_multiple_place place = mcv_find_multiple(1, o, i);
-        place.first = known * (gloss->table + words + place.first);
+        place.first = known * (microfacets->table + words + place.first);
         place.edge *= known;
         place.across *= known;
         const float root = mcv_multiple_word(tables, place);
@@ -196,33 +198,35 @@ MCV_LOOP_FUNCTION mcv_color mcv_gloss_multiple(const mcv_device_gloss *m, const 
 #endif
     __global const float *table = tables + m->multiple;
     if (m->azimuths > 1) {
-        const mcv_brushed_words at = mcv_brushed_at(table, mcv_find_brushed(gloss->alpha, o, i));
-        if (!MCV_WITH_METAL || gloss->type != MCV_MATERIAL_CONDUCTOR)
-            return mcv_schlick_multiple(gloss, more, at.word[0], at.word[1], at.word[2],
+        const mcv_brushed_words at =
+            mcv_brushed_at(table, mcv_find_brushed(microfacets->alpha, o, i));
+        if (!MCV_WITH_METAL || microfacets->type != MCV_MATERIAL_CONDUCTOR)
+            return mcv_schlick_multiple(microfacets, more, at.word[0], at.word[1], at.word[2],
                                         at.word[3]);
         MCV_EACH_CHANNEL(c) multiple.c[c] = at.word[c];
         return multiple;
     }
     const mcv_multiple_place place = mcv_find_multiple(0, o, i);
-    if (MCV_WITH_METAL && gloss->type == MCV_MATERIAL_CONDUCTOR) {
+    if (MCV_WITH_METAL && microfacets->type == MCV_MATERIAL_CONDUCTOR) {
         /* No image changes its roughness. */
         MCV_EACH_CHANNEL(c) multiple.c[c] = mcv_multiple_word(table + c, place);
         return multiple;
     }
-    const float square = mcv_metal_word(m, gloss->layer, table, place);
-    const float linear = mcv_metal_word(m, gloss->layer, table + 1, place);
-    const float least = mcv_metal_word(m, gloss->layer, table + 2, place);
-    const float rest = mcv_metal_word(m, gloss->layer, table + 3, place);
-    return mcv_schlick_multiple(gloss, more, square, linear, least, rest);
+    const float square = mcv_metal_word(m, microfacets->layer, table, place);
+    const float linear = mcv_metal_word(m, microfacets->layer, table + 1, place);
+    const float least = mcv_metal_word(m, microfacets->layer, table + 2, place);
+    const float rest = mcv_metal_word(m, microfacets->layer, table + 3, place);
+    return mcv_schlick_multiple(microfacets, more, square, linear, least, rest);
 }
 
 /* Is there a table of multiple scattering? Rough conductors have one, as no image changes their
  * roughness, and glass without a direction. Known to the compiler where their loops are: a choice
  * of albedos that hangs on the material alone kept those of brushed metal from being vectorised. */
-MCV_LOOP_FUNCTION int mcv_has_multiple(const mcv_device_gloss *m, const mcv_gloss *gloss) {
-    if (gloss->type == MCV_MATERIAL_CONDUCTOR) return 1;
-    return gloss->type == MCV_MATERIAL_METALLIC_ROUGHNESS ? m->multiple != MCV_NONE
-                                                          : m->azimuths == 1;
+MCV_LOOP_FUNCTION int mcv_has_multiple(const mcv_device_glossy *m,
+                                       const mcv_microfacets *microfacets) {
+    if (microfacets->type == MCV_MATERIAL_CONDUCTOR) return 1;
+    return microfacets->type == MCV_MATERIAL_METALLIC_ROUGHNESS ? m->multiple != MCV_NONE
+                                                                : m->azimuths == 1;
 }
 
 #endif

@@ -13,7 +13,7 @@
 /* Whether the tile schedule sets paths on surfaces of these kinds side by side: diffuse or glossy
  * ones, smooth bodies. */
 #define MCV_WITH_PLAIN \
-    ((MCV_WITH_DIFFUSE || MCV_WITH_GLOSS) && MCV_OFFSETS_TOGETHER && !MCV_WITH_DISPERSION)
+    ((MCV_WITH_DIFFUSE || MCV_WITH_GLOSSY) && MCV_OFFSETS_TOGETHER && !MCV_WITH_DISPERSION)
 #define MCV_WITH_SMOOTH (MCV_WITH_DIELECTRIC && MCV_OFFSETS_TOGETHER && !MCV_WITH_DISPERSION)
 
 /* What becomes of a path at a surface. MCV_UNSHADED: nothing yet, it is left to mcv_shade_surface.
@@ -21,12 +21,12 @@
 enum { MCV_CONTINUES = 1, MCV_SPLITS = 2, MCV_UNSHADED = 4 };
 
 typedef struct mcv_shading {
-    uint kind;                     /* MCV_SHADING_… (mcvisi/tables.h), not MCV_SHADING_BLACK */
-    int exact;                     /* 0: the surface is a triangle */
-    int may_split;                 /* it reflects and passes light: a path may split there */
-    uint type;                     /* of a glossy surface: MCV_MATERIAL_… */
-    uint material;                 /* of a glossy surface: one for all paths */
-    const mcv_device_gloss *gloss; /* of a glossy surface: what is known of it beforehand */
+    uint kind;                       /* MCV_SHADING_… (mcvisi/tables.h), not MCV_SHADING_BLACK */
+    int exact;                       /* 0: the surface is a triangle */
+    int may_split;                   /* it reflects and passes light: a path may split there */
+    uint type;                       /* of a glossy surface: MCV_MATERIAL_… */
+    uint material;                   /* of a glossy surface: one for all paths */
+    const mcv_device_glossy *glossy; /* of a glossy surface: what is known of it beforehand */
 } mcv_shading;
 
 MCV_LOOP_FUNCTION mcv_shading mcv_shading_of(uint kind, int exact, int may_split) {
@@ -36,7 +36,7 @@ MCV_LOOP_FUNCTION mcv_shading mcv_shading_of(uint kind, int exact, int may_split
     shading.may_split = may_split;
     shading.type = MCV_NONE;
     shading.material = MCV_NONE;
-    shading.gloss = 0;
+    shading.glossy = 0;
     return shading;
 }
 
@@ -44,14 +44,14 @@ MCV_LOOP_FUNCTION mcv_shading mcv_any_shading(void) {
     return mcv_shading_of(MCV_SHADING_ANY, 1, 1);
 }
 
-#if MCV_WITH_PLAIN && MCV_WITH_GLOSS
-/* Of a plain glossy material; `from` is what mcv_plain_gloss says of it. */
+#if MCV_WITH_PLAIN && MCV_WITH_GLOSSY
+/* Of a plain glossy material; `from` is what mcv_plain_glossy says of it. */
 MCV_LOOP_FUNCTION mcv_shading mcv_glossy_shading(mcv_world world, uint material,
-                                                 const mcv_device_gloss *from) {
-    mcv_shading shading = mcv_shading_of(MCV_SHADING_GLOSS, MCV_WITH_SURFACES, 0);
+                                                 const mcv_device_glossy *from) {
+    mcv_shading shading = mcv_shading_of(MCV_SHADING_GLOSSY, MCV_WITH_SURFACES, 0);
     shading.type = world.materials[material].type;
     shading.material = material;
-    shading.gloss = from;
+    shading.glossy = from;
     return shading;
 }
 
@@ -64,17 +64,17 @@ MCV_LOOP_FUNCTION mcv_shading mcv_shading_as(mcv_shading shading, uint type) {
 
 /* What is known of a glossy material beforehand. turns: whether it has a direction, known to the
  * compiler. */
-MCV_LOOP_FUNCTION mcv_device_gloss mcv_plain_gloss(mcv_world world, uint material, int turns) {
-    mcv_device_gloss from = world.gloss[material];
+MCV_LOOP_FUNCTION mcv_device_glossy mcv_plain_glossy(mcv_world world, uint material, int turns) {
+    mcv_device_glossy from = world.glossy[material];
     from.azimuths = turns ? MCV_ALBEDO_AZIMUTHS : 1u;
     from.anisotropy = turns ? from.anisotropy : 0.0f;
     from.roughnesses = MCV_WITH_TEXTURE ? from.roughnesses : 1u;
     return from;
 }
 
-MCV_LOOP_FUNCTION mcv_gloss_interaction
-mcv_make_plain_gloss_interaction(mcv_world world, mcv_slot slot, const mcv_interaction *interaction,
-                                 mcv_shading shading, uint media) {
+MCV_LOOP_FUNCTION mcv_glossy_interaction mcv_make_plain_glossy_interaction(
+    mcv_world world, mcv_slot slot, const mcv_interaction *interaction, mcv_shading shading,
+    uint media) {
     mcv_color base;
     mcv_polish polish = {1.0f, 1.0f};
     MCV_EACH_CHANNEL(c) base.c[c] = world.materials[shading.material].value[c];
@@ -83,8 +83,8 @@ mcv_make_plain_gloss_interaction(mcv_world world, mcv_slot slot, const mcv_inter
         polish.scale = MCV_LOAD(slot, polish, 0);
         polish.metallic = MCV_LOAD(slot, polish, 1);
     }
-    return mcv_make_gloss_interaction_of(world, interaction, shading.gloss, shading.type, base,
-                                         polish, media);
+    return mcv_make_glossy_interaction_of(world, interaction, shading.glossy, shading.type, base,
+                                          polish, media);
 }
 #endif
 
@@ -111,20 +111,20 @@ MCV_LOOP_FUNCTION mcv_scattering mcv_scatter_as(mcv_world world, mcv_slot slot,
     if (shading.kind == MCV_SHADING_SMOOTH)
         return mcv_scatter_dielectric(world, *interaction, media, pair.x, unmatched, other);
 #endif
-#if MCV_WITH_PLAIN && MCV_WITH_GLOSS
-    if (shading.kind == MCV_SHADING_GLOSS) {
+#if MCV_WITH_PLAIN && MCV_WITH_GLOSSY
+    if (shading.kind == MCV_SHADING_GLOSSY) {
         mcv_scattering on;
-        const mcv_gloss_interaction m =
-            mcv_make_plain_gloss_interaction(world, slot, interaction, shading, media);
-        *unshaded = m.gloss.table == MCV_NONE;
+        const mcv_glossy_interaction m =
+            mcv_make_plain_glossy_interaction(world, slot, interaction, shading, media);
+        *unshaded = m.microfacets.table == MCV_NONE;
         *unmatched += (uint)(!*unshaded & (m.near_media != media));
         other->chance = 0.0f;
         if (shading.may_split) {
-            on = mcv_split_by_gloss(world, interaction, shading.gloss, &m, pair, choice, other);
+            on = mcv_split_by_glossy(world, interaction, shading.glossy, &m, pair, choice, other);
             other->chance = *unshaded ? 0.0f : other->chance;
         } else {
-            on = mcv_turn_by_gloss(world, interaction, shading.gloss, &m,
-                                   mcv_choose_gloss_of(shading.gloss, &m, pair, choice));
+            on = mcv_turn_by_glossy(world, interaction, shading.glossy, &m,
+                                    mcv_choose_glossy_of(shading.glossy, &m, pair, choice));
         }
         return on;
     }

@@ -24,10 +24,10 @@ typedef struct mcv_interaction {
     mcv_vec3 bounce;
     float bounce_density;
 #endif
-#if MCV_TILE && MCV_WITH_GLOSS
-    struct mcv_gloss_interaction
-        *gloss;        /* where to keep what is worked out of a glossy surface, or NULL */
-    uint *gloss_known; /* 1: it is there */
+#if MCV_TILE && MCV_WITH_GLOSSY
+    struct mcv_glossy_interaction
+        *glossy;        /* where to keep what is worked out of a glossy surface, or NULL */
+    uint *glossy_known; /* 1: it is there */
 #endif
 } mcv_interaction;
 
@@ -43,8 +43,8 @@ MCV_LOOP_FUNCTION mcv_interaction mcv_surface_interaction(mcv_surface surface, m
 #if MCV_TILE && MCV_WITH_DIFFUSE
     interaction.bounces = 0;
 #endif
-#if MCV_TILE && MCV_WITH_GLOSS
-    interaction.gloss = 0;
+#if MCV_TILE && MCV_WITH_GLOSSY
+    interaction.glossy = 0;
 #endif
     return interaction;
 }

@@ -35,7 +35,7 @@ MCV_LOOP_FUNCTION void mcv_put_surface(mcv_slot slot, mcv_surface surface) {
     MCV_WORD(slot, inside, 0) = interaction.inside;
     MCV_STORE_3(slot, face, interaction.face);
     MCV_STORE_3(slot, normal, interaction.normal);
-    if (MCV_WITH_GLOSS) MCV_WORD(slot, gloss_known, 0) = 0u;
+    if (MCV_WITH_GLOSSY) MCV_WORD(slot, glossy_known, 0) = 0u;
 }
 
 /* Works out the surface of a triangle; where nothing was met, of some other one. */
@@ -87,9 +87,9 @@ MCV_LOOP_FUNCTION mcv_interaction mcv_make_interaction(mcv_world world, mcv_slot
     surface->instance = surface->corners.w = MCV_WORD(slot, instance, 0);
     surface->u = u;
     surface->v = v;
-#if MCV_WITH_GLOSS
-    interaction.gloss = slot.glosses + slot.index;
-    interaction.gloss_known = &MCV_WORD(slot, gloss_known, 0);
+#if MCV_WITH_GLOSSY
+    interaction.glossy = slot.glossy_interactions + slot.index;
+    interaction.glossy_known = &MCV_WORD(slot, glossy_known, 0);
 #endif
 #if MCV_WITH_DIFFUSE
     interaction.bounces = 1;

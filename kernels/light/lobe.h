@@ -24,7 +24,7 @@ MCV_LOOP_FUNCTION mcv_receiver_lobe mcv_even_lobe(void) {
     return all;
 }
 
-#if MCV_WITH_GLOSS
+#if MCV_WITH_GLOSSY
 /* The way from a receiver to where an emitter's light comes from, unit; *spread: the square of the
  * tangent of half its angle, about. */
 MCV_LOOP_FUNCTION mcv_vec3 mcv_way_of_light(__global const mcv_device_emitter *e, mcv_vec3 receiver,

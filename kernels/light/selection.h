@@ -85,7 +85,7 @@ MCV_LOOP_FUNCTION float mcv_add_reaching(__global const mcv_device_emitter *e, m
     const int reaches = mcv_emitter_reaches(e, receiver, face, normal, sides);
     const float importance = mcv_emitter_importance(e, receiver);
     float received = 1.0f;
-#if MCV_WITH_GLOSS
+#if MCV_WITH_GLOSSY
     if (glossy) received = mcv_lobe_towards(e, receiver, direction, normal, lobe);
 #endif
     const float weight = importance * received;
@@ -117,7 +117,7 @@ MCV_LOOP_FUNCTION mcv_light_selection mcv_make_light_selection(mcv_reaching all,
     selection.least = (all.sum > 0.0f ? 0.0625f : 1.0f) / all.count;
     selection.received_scale = selection.scale;
     selection.received_least = selection.least;
-    if (!(MCV_WITH_GLOSS && glossy)) return selection;
+    if (!(MCV_WITH_GLOSSY && glossy)) return selection;
     const int sends = all.received > 0.0f;
     const float better =
         mcv_fma(0.9375f, (all.squares / all.received) * (all.sum / all.received), 0.0625f);
@@ -159,8 +159,8 @@ MCV_FUNCTION uint mcv_select_emitter(mcv_world world, mcv_vec3 receiver, mcv_vec
     const uint count = min(world.frame->emitter_count, (uint)MCV_MOST_REACHING);
     for (uint i = 0; i < count; ++i)
         weights[i] = mcv_add_reaching(world.emitters + i, receiver, face, normal, sides, direction,
-                                      lobe, MCV_WITH_GLOSS, &all);
-    *selection = mcv_make_light_selection(all, MCV_WITH_GLOSS);
+                                      lobe, MCV_WITH_GLOSSY, &all);
+    *selection = mcv_make_light_selection(all, MCV_WITH_GLOSSY);
     for (uint i = 0; i < count; ++i)
         choice = mcv_ask_emitter(choice, i, weights[i], selection->received_scale,
                                  selection->received_least, xi);

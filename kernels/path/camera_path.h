@@ -26,7 +26,7 @@
 #define MCV_BRANCHES (MCV_WITH_SPLIT ? MCV_SPLIT_BRANCHES : 1)
 
 /* Whether a surface may scatter light into other media than those of the ray that meets it. */
-#define MCV_CROSSES (MCV_WITH_DIELECTRIC && (MCV_WITH_GLOSS || MCV_WITH_REFLECTOR))
+#define MCV_CROSSES (MCV_WITH_DIELECTRIC && (MCV_WITH_GLOSSY || MCV_WITH_REFLECTOR))
 
 /*
  * X(field, words): a field that a scene does not need has no words. Code that uses it stands behind
@@ -65,7 +65,7 @@
     X(hit, 4)                              /* t, u, v, triangle */ \
     X(drawn, 6 * MCV_TILE)                 /* the surface's pairs of random numbers */ \
     X(reflectance, MCV_CHANNELS *MCV_TILE) /* of a diffuse surface; base colour of a glossy one */ \
-    X(polish, 2 * MCV_TILE * MCV_WITH_GLOSS * MCV_WITH_TEXTURE) /* roughness, metallic share */ \
+    X(polish, 2 * MCV_TILE * MCV_WITH_GLOSSY * MCV_WITH_TEXTURE) /* roughness, metallic share */ \
     X(bounce, 4 * MCV_TILE) /* a diffuse reflection's direction and density */ \
     X(point, 3 * MCV_TILE)  /* of the surface, as in mcv_surface */ \
     X(error, 3 * MCV_TILE) \
@@ -79,14 +79,14 @@
     X(beyond_point, 3 * MCV_TILE * MCV_WITH_CONTACT) \
     X(beyond_error, 3 * MCV_TILE * MCV_WITH_CONTACT) \
     X(touched_face, 3 * MCV_TILE * MCV_WITH_CONTACT) \
-    X(gloss_known, MCV_TILE *MCV_WITH_GLOSS)
+    X(glossy_known, MCV_TILE *MCV_WITH_GLOSSY)
 
 #define MCV_CAMERA_HIT_FIELDS(X) \
     X(branch_state, (5 + MCV_CHANNELS) * MCV_TILE * MCV_WITH_SPLIT) /* of a branch: direction, \
                                                          media, density, throughput */ \
     X(emitter, MCV_TILE *MCV_WITH_NEXT_EVENT) /* that the path samples, or MCV_NONE */ \
     X(place, 4 * MCV_TILE * MCV_WITH_NEXT_EVENT * MCV_WITH_TEXTURE) /* triangle, u, v, density */ \
-    X(selection_here, ((2 + MCV_WITH_GLOSS) * MCV_WITH_REACH + 4 * MCV_WITH_LIGHT_TREE) * \
+    X(selection_here, ((2 + MCV_WITH_GLOSSY) * MCV_WITH_REACH + 4 * MCV_WITH_LIGHT_TREE) * \
                           MCV_WITH_NEXT_EVENT) /* the last one: the choice's chance */ \
     X(shadow_origin, 3 * MCV_WITH_NEXT_EVENT)  /* ray to the emitter */ \
     X(shadow_direction, 3 * MCV_WITH_NEXT_EVENT) \
@@ -164,27 +164,27 @@ enum {
 #define MCV_CAPACITY(slot) (slot).capacity
 #endif
 
-struct mcv_gloss_interaction;
+struct mcv_glossy_interaction;
 
 /* A path's place: slot `index` of a slice of `capacity` paths. */
 typedef struct mcv_slot {
     MCV_PATH_SPACE uint *base;
 #if !MCV_TILE
     uint capacity;
-#elif MCV_WITH_GLOSS
-    struct mcv_gloss_interaction *glosses; /* of each slot (bsdf/glossy.h) */
+#elif MCV_WITH_GLOSSY
+    struct mcv_glossy_interaction *glossy_interactions; /* of each slot (bsdf/glossy.h) */
 #endif
     uint index;
 } mcv_slot;
 
 #if MCV_TILE
-/* For what does not ask for `glosses`. */
+/* For what does not ask for `glossy_interactions`. */
 MCV_LOOP_FUNCTION mcv_slot mcv_slot_at(uint *paths, uint index) {
     mcv_slot slot;
     slot.base = paths;
     slot.index = index;
-#if MCV_WITH_GLOSS
-    slot.glosses = 0;
+#if MCV_WITH_GLOSSY
+    slot.glossy_interactions = 0;
 #endif
     return slot;
 }

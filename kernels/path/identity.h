@@ -62,7 +62,7 @@ MCV_FUNCTION mcv_identity mcv_identify(mcv_world world, uint path) {
 
 /* Is the pair that chooses among emitters, lobes and going on needed? */
 MCV_FUNCTION int mcv_needs_choice(__constant const mcv_frame *frame, uint depth) {
-    return MCV_WITH_GLOSS || MCV_WITH_REFLECTOR || MCV_WITH_TRANSLUCENT ||
+    return MCV_WITH_GLOSSY || MCV_WITH_REFLECTOR || MCV_WITH_TRANSLUCENT ||
            depth >= MCV_ROULETTE_DEPTH || frame->emitter_count > 1u;
 }
 

@@ -61,7 +61,7 @@ MCV_LOOP_FUNCTION uint mcv_shade_light_path(mcv_world world, mcv_slot slot,
                        choice.x, 0, unmatched, &other, &unshaded);
     const int goes_on =
         mcv_continue_light_path(world, interaction, shading, on, depth, choice.y, &path);
-    const int skipped = shading.kind == MCV_SHADING_GLOSS ? unshaded : 0;
+    const int skipped = shading.kind == MCV_SHADING_GLOSSY ? unshaded : 0;
     mcv_continue_ray(world, slot, interaction, shading, on, path.throughput, skipped);
     MCV_REPLACE_WORD(slot, light_class, 0, skipped, path.path_class);
     return unshaded ? (uint)MCV_UNSHADED : (uint)goes_on;

@@ -58,14 +58,14 @@ MCV_BATCH void mcv_lookup_classes(mcv_world world, __global const uint *triangle
 }
 #endif
 
-/* The class of each path. *gloss: the material of the glossy classes, which is that of the first
- * glossy path, or MCV_NONE. */
+/* The class of each path. *glossy_material: the material of the glossy classes, which is that of
+ * the first glossy path, or MCV_NONE. */
 MCV_BATCH void mcv_classify_hits(mcv_world world, const uint *paths, uint count, uint *classes,
-                                 uint *gloss) {
+                                 uint *glossy_material) {
     const uint *hits = paths + (MCV_PATH_hit + 3) * MCV_ROW;
     __global const uint *triangles = (__global const uint *)world.triangles;
     if (MCV_WITH_SURFACES && !triangles) triangles = (__global const uint *)world.solids;
-    *gloss = MCV_NONE;
+    *glossy_material = MCV_NONE;
     if (!triangles) {
         for (uint i = 0; i < count; ++i) classes[i] = MCV_CLASS_MISS;
         return;
@@ -81,13 +81,13 @@ MCV_BATCH void mcv_classify_hits(mcv_world world, const uint *paths, uint count,
         for (uint i = 0; i < mcv_fill_lanes(count); ++i)
             classes[i] = mcv_classify_hit(world, triangles, i < count ? hits[i] : MCV_NONE);
     }
-    for (uint i = 0; MCV_KNOWS_GLOSS && i < count; ++i) {
+    for (uint i = 0; MCV_KNOWS_GLOSSY && i < count; ++i) {
         const uint class = classes[i];
-        if (class != MCV_CLASS_GLOSS_TRIANGLE && class != MCV_CLASS_GLOSS_EXACT) continue;
+        if (class != MCV_CLASS_GLOSSY_TRIANGLE && class != MCV_CLASS_GLOSSY_EXACT) continue;
         const uint material = world.instances[mcv_instance_of(world, hits[i])].material;
-        if (*gloss == MCV_NONE) *gloss = material;
-        if (*gloss != material)
-            classes[i] = class == MCV_CLASS_GLOSS_EXACT ? MCV_CLASS_EXACT : MCV_CLASS_TRIANGLE;
+        if (*glossy_material == MCV_NONE) *glossy_material = material;
+        if (*glossy_material != material)
+            classes[i] = class == MCV_CLASS_GLOSSY_EXACT ? MCV_CLASS_EXACT : MCV_CLASS_TRIANGLE;
     }
 }
 

@@ -23,9 +23,9 @@
 /* The paths end that have met nothing or what absorbs all, or come straight from the emitter to a
  * diffuse surface; the others lie in the order of what they have met. */
 MCV_BATCH void mcv_classify_light_hits(mcv_world world, mcv_slot slot, uint count, uint *class_end,
-                                       uint *gloss) {
+                                       uint *glossy_material) {
     uint classes[MCV_ROW];
-    mcv_classify_hits(world, slot.base, count, classes, gloss);
+    mcv_classify_hits(world, slot.base, count, classes, glossy_material);
     MCV_VECTORIZE
     for (uint i = 0; i < count; ++i) {
         slot.index = i;
@@ -38,7 +38,7 @@ MCV_BATCH void mcv_classify_light_hits(mcv_world world, mcv_slot slot, uint coun
         MCV_STORE(slot, light_length, 0, MCV_LOAD(slot, light_length, 0) + MCV_LOAD(slot, hit, 0));
     }
     mcv_sort_paths(slot.base, classes, count, class_end);
-    mcv_find_interactions(world, slot.base, class_end, *gloss);
+    mcv_find_interactions(world, slot.base, class_end, *glossy_material);
 }
 
 /* Connects the paths on scattering surfaces to the lens, and adds that to the film. */
@@ -54,10 +54,10 @@ MCV_BATCH void mcv_splat_light_paths(mcv_world world, mcv_slot slot, uint first,
 
 /* Sends the paths on from the surfaces that they have met; returns how many go on. */
 MCV_BATCH uint mcv_shade_light_hits(mcv_world world, mcv_slot slot, const uint *class_end,
-                                    uint gloss, uint depth, uint *unmatched) {
+                                    uint glossy_material, uint depth, uint *unmatched) {
     const uint alive = class_end[MCV_LAST_CLASS], smooth = class_end[MCV_LAST_SMOOTH];
     uint fate[MCV_SLOTS], chosen[MCV_SLOTS];
-    mcv_shade_ranges(world, slot.base, class_end, gloss, 1, depth, fate, unmatched);
+    mcv_shade_ranges(world, slot.base, class_end, glossy_material, 1, depth, fate, unmatched);
     for (slot.index = smooth; slot.index < alive; ++slot.index) {
         if (fate[slot.index] != MCV_UNSHADED) continue;
         mcv_light_path path = mcv_load_light_path(slot);
@@ -76,19 +76,19 @@ MCV_BATCH uint mcv_shade_light_hits(mcv_world world, mcv_slot slot, const uint *
 MCV_BATCH void mcv_trace_light_slices(mcv_world world, uint first, uint last, __global uint *splats,
                                       uint counts[MCV_COUNTER_COUNT]) {
     MCV_ALIGNED uint paths[MCV_PATH_WORDS * MCV_ROW];
-    uint class_end[MCV_CLASS_COUNT], gloss;
+    uint class_end[MCV_CLASS_COUNT], glossy_material;
     mcv_slot slot;
     slot.base = paths;
-#if MCV_WITH_GLOSS
-    mcv_gloss_interaction glosses[MCV_SLOTS];
-    slot.glosses = glosses;
+#if MCV_WITH_GLOSSY
+    mcv_glossy_interaction glossy_interactions[MCV_SLOTS];
+    slot.glossy_interactions = glossy_interactions;
 #endif
     while (first < last) {
         uint alive = mcv_fill_light_slice(world, slot, &first, last);
         for (uint depth = 1; depth < world.frame->depth && alive > 0; ++depth) {
             counts[MCV_COUNTER_rays] += alive;
             mcv_intersect_paths(world, paths, alive);
-            mcv_classify_light_hits(world, slot, alive, class_end, &gloss);
+            mcv_classify_light_hits(world, slot, alive, class_end, &glossy_material);
             alive = class_end[MCV_LAST_CLASS];
             mcv_draw_pairs(paths, 0, alive, depth, MCV_PAIR_CHOICE);
             mcv_draw_pairs(paths, class_end[MCV_LAST_SMOOTH], alive, depth, MCV_PAIR_EMITTER);
@@ -98,7 +98,7 @@ MCV_BATCH void mcv_trace_light_slices(mcv_world world, uint first, uint last, __
 #if MCV_WITH_DIFFUSE
             mcv_sample_diffuse_directions(paths, class_end[MCV_LAST_SMOOTH], alive);
 #endif
-            alive = mcv_shade_light_hits(world, slot, class_end, gloss, depth,
+            alive = mcv_shade_light_hits(world, slot, class_end, glossy_material, depth,
                                          &counts[MCV_COUNTER_unmatched]);
         }
         counts[MCV_COUNTER_depth_cut] += alive;

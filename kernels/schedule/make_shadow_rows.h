@@ -40,10 +40,10 @@ MCV_LOOP_FUNCTION void mcv_make_shadow_range(mcv_world world, mcv_slot slot, uin
 
 /* Lists those of the paths on plain surfaces that have a shadow ray to follow; returns how many. */
 MCV_BATCH uint mcv_list_plain_shadows(mcv_world world, mcv_slot slot, const uint *class_end,
-                                      uint gloss, uint *shadows) {
+                                      uint glossy_material, uint *shadows) {
     uint casts[MCV_ROW];
     const uint begin = class_end[MCV_LAST_SMOOTH], end = class_end[MCV_LAST_KNOWN];
-    (void)gloss;
+    (void)glossy_material;
 #define MCV_MAKE_SHADOWS(bsdf, first, last, shading) \
     if (bsdf != MCV_SHADING_SMOOTH) mcv_make_shadow_range(world, slot, first, last, shading, casts);
     MCV_EACH_RANGE(MCV_MAKE_SHADOWS)

@@ -29,8 +29,8 @@
     X(SMOOTH_TRIANGLE, 0, SMOOTH, 1, A) \
     X(SMOOTH_EXACT, 1, SMOOTH, 1, A) \
     X(DIFFUSE_EXACT, 1, DIFFUSE, 1, A) \
-    X(GLOSS_EXACT, 1, GLOSS, 0, A) \
-    X(GLOSS_TRIANGLE, 0, GLOSS, 2, A) \
+    X(GLOSSY_EXACT, 1, GLOSSY, 0, A) \
+    X(GLOSSY_TRIANGLE, 0, GLOSSY, 2, A) \
     X(DIFFUSE_TRIANGLE, 0, DIFFUSE, 1, A) \
     X(TRIANGLE, 0, ANY, 0, A) \
     X(EXACT, 1, ANY, 0, A)
@@ -50,8 +50,8 @@ enum {
     MCV_LAST_SMOOTH = MCV_CLASS_SMOOTH_EXACT, /* and all smooth bodies: they sample no emitter and
                                                  draw no direction, the others may */
     MCV_LAST_DIFFUSE_EXACT = MCV_CLASS_DIFFUSE_EXACT, /* diffuse exact surfaces; then all glossy */
-    MCV_LAST_KNOWN_EXACT = MCV_CLASS_GLOSS_EXACT,     /* exact surfaces but those of EXACT */
-    MCV_LAST_GLOSS = MCV_CLASS_GLOSS_TRIANGLE,        /* glossy surfaces; none after these splits */
+    MCV_LAST_KNOWN_EXACT = MCV_CLASS_GLOSSY_EXACT,    /* exact surfaces but those of EXACT */
+    MCV_LAST_GLOSSY = MCV_CLASS_GLOSSY_TRIANGLE,      /* glossy surfaces; none after these splits */
     MCV_LAST_KNOWN = MCV_CLASS_DIFFUSE_TRIANGLE, /* what has a known BSDF; the others are shaded
                                                     one by one */
     MCV_LAST_TRIANGLE = MCV_CLASS_TRIANGLE,      /* triangles */
@@ -66,13 +66,13 @@ MCV_LOOP_FUNCTION uint mcv_class_begin(const uint *class_end, uint class) {
  * TRIANGLE and EXACT. */
 #define MCV_KNOWS_SMOOTH MCV_WITH_SMOOTH
 #define MCV_KNOWS_DIFFUSE (MCV_WITH_PLAIN && MCV_WITH_DIFFUSE)
-#define MCV_KNOWS_GLOSS (MCV_WITH_PLAIN && MCV_WITH_GLOSS)
+#define MCV_KNOWS_GLOSSY (MCV_WITH_PLAIN && MCV_WITH_GLOSSY)
 #define MCV_KNOWS_ANY 0
 
 /*
  * MCV_EACH_RANGE(RANGE) is RANGE(bsdf, first, last, shading) for each loop of the list, bsdf and
- * shading known to the compiler. It uses the caller's world, class_end and gloss: the material of
- * the glossy classes, or MCV_NONE.
+ * shading known to the compiler. It uses the caller's world, class_end and glossy_material: the
+ * material of the glossy classes, or MCV_NONE.
  */
 #define MCV_EACH_RANGE(RANGE) MCV_SHADING_CLASSES(MCV_RANGE, RANGE)
 #define MCV_RANGE(name, exact, bsdf, joined, RANGE) \
@@ -86,27 +86,27 @@ MCV_LOOP_FUNCTION uint mcv_class_begin(const uint *class_end, uint class) {
           mcv_shading_of(MCV_SHADING_SMOOTH, exact, MCV_WITH_SPLIT))
 #define MCV_RANGE_DIFFUSE(first, last, exact, RANGE) \
     RANGE(MCV_SHADING_DIFFUSE, first, last, mcv_shading_of(MCV_SHADING_DIFFUSE, exact, 0))
-#if MCV_KNOWS_GLOSS
-#define MCV_RANGE_GLOSS(first, last, exact, RANGE) \
-    if (gloss != MCV_NONE) { \
-        const int turns = MCV_WITH_ANISOTROPY && world.gloss[gloss].azimuths > 1u; \
+#if MCV_KNOWS_GLOSSY
+#define MCV_RANGE_GLOSSY(first, last, exact, RANGE) \
+    if (glossy_material != MCV_NONE) { \
+        const int turns = MCV_WITH_ANISOTROPY && world.glossy[glossy_material].azimuths > 1u; \
         if (!turns) MCV_RANGE_OF_TURN(0, first, last, RANGE) \
         if (turns) MCV_RANGE_OF_TURN(1, first, last, RANGE) \
     }
 /* turns: whether the material has a direction. */
 #define MCV_RANGE_OF_TURN(turns, first, last, RANGE) \
     { \
-        const mcv_device_gloss from = mcv_plain_gloss(world, gloss, turns); \
-        const mcv_shading glossy = mcv_glossy_shading(world, gloss, &from); \
+        const mcv_device_glossy from = mcv_plain_glossy(world, glossy_material, turns); \
+        const mcv_shading glossy = mcv_glossy_shading(world, glossy_material, &from); \
         if (MCV_WITH_METAL) MCV_RANGE_OF_TYPE(MCV_MATERIAL_CONDUCTOR, first, last, RANGE) \
         if (MCV_WITH_METALLIC) \
             MCV_RANGE_OF_TYPE(MCV_MATERIAL_METALLIC_ROUGHNESS, first, last, RANGE) \
         if (MCV_WITH_ROUGH_GLASS) MCV_RANGE_OF_TYPE(MCV_MATERIAL_DIELECTRIC, first, last, RANGE) \
     }
 #define MCV_RANGE_OF_TYPE(TYPE, first, last, RANGE) \
-    if (glossy.type == TYPE) RANGE(MCV_SHADING_GLOSS, first, last, mcv_shading_as(glossy, TYPE))
+    if (glossy.type == TYPE) RANGE(MCV_SHADING_GLOSSY, first, last, mcv_shading_as(glossy, TYPE))
 #else
-#define MCV_RANGE_GLOSS(first, last, exact, RANGE) \
+#define MCV_RANGE_GLOSSY(first, last, exact, RANGE) \
     {}
 #endif
 

@@ -77,7 +77,7 @@ MCV_LOOP_FUNCTION void mcv_select_block(mcv_world world, mcv_slot slot, uint fir
         scales[j] = selection.received_scale;
         leasts[j] = selection.received_least;
         MCV_WORD(slot, emitter, 0) = MCV_NONE;
-        if (MCV_WITH_GLOSS) MCV_STORE(slot, selection_here, 2, 0.0f);
+        if (MCV_WITH_GLOSSY) MCV_STORE(slot, selection_here, 2, 0.0f);
         MCV_STORE_COLOR(slot, shadow_light, mcv_grey(0.0f));
         sums[0][j] = 0.0f; /* of the chances of those asked */
     }
@@ -88,13 +88,13 @@ MCV_LOOP_FUNCTION void mcv_select_block(mcv_world world, mcv_slot slot, uint fir
             const uint j = i - first;
             slot.index = i;
             const mcv_emitter_choice so_far = {MCV_WORD(slot, emitter, 0), sums[0][j],
-                                               MCV_WITH_GLOSS ? MCV_LOAD(slot, selection_here, 2)
-                                                              : 0.0f};
+                                               MCV_WITH_GLOSSY ? MCV_LOAD(slot, selection_here, 2)
+                                                               : 0.0f};
             const mcv_emitter_choice choice =
                 mcv_ask_emitter(so_far, k, of_emitter[j], scales[j], leasts[j],
                                 MCV_LOAD(slot, drawn, 2 * MCV_PAIR_CHOICE));
             MCV_WORD(slot, emitter, 0) = choice.emitter;
-            if (MCV_WITH_GLOSS) MCV_STORE(slot, selection_here, 2, choice.chance);
+            if (MCV_WITH_GLOSSY) MCV_STORE(slot, selection_here, 2, choice.chance);
             sums[0][j] = choice.chances;
         }
     }
@@ -114,7 +114,7 @@ MCV_BATCH void mcv_select_rows(mcv_world world, mcv_slot slot, uint first, uint 
         mcv_select_even_block(world, slot, begin, min(begin + MCV_SELECTION_BLOCK, last), sides);
 }
 
-#if MCV_WITH_GLOSS
+#if MCV_WITH_GLOSSY
 MCV_BATCH void mcv_select_glossy_block(mcv_world world, mcv_slot slot, uint first, uint last,
                                        const uint *sides, const mcv_lobe_rows *lobes) {
     mcv_select_block(world, slot, first, last, sides, lobes, 1);
@@ -135,9 +135,9 @@ MCV_LOOP_FUNCTION void mcv_select_glossy_range(mcv_world world, mcv_slot slot, u
         for (uint i = begin; i < end; ++i) {
             slot.index = i;
             const mcv_interaction interaction = mcv_make_interaction(world, slot);
-            const mcv_gloss_interaction m = mcv_make_plain_gloss_interaction(
+            const mcv_glossy_interaction m = mcv_make_plain_glossy_interaction(
                 world, slot, &interaction, shading, mcv_path_media(slot));
-            mcv_keep_lobe(&lobes, i - begin, mcv_lobe_of_gloss(&m));
+            mcv_keep_lobe(&lobes, i - begin, mcv_lobe_of_glossy(&m));
         }
         mcv_select_glossy_block(world, slot, begin, end, sides, &lobes);
     }

@@ -219,16 +219,16 @@ MCV_BATCH void mcv_sample_emitter_rows(mcv_world world, mcv_slot slot, uint firs
 /* Samples an emitter for each path; lists those that have a shadow ray to follow and returns how
  * many. */
 MCV_BATCH uint mcv_sample_emitters(mcv_world world, mcv_slot slot, const uint *class_end,
-                                   uint gloss, uint depth, uint *shadows) {
+                                   uint glossy_material, uint depth, uint *shadows) {
     const uint alive = class_end[MCV_LAST_CLASS], smooth_end = class_end[MCV_LAST_SMOOTH],
                known_end = class_end[MCV_LAST_KNOWN];
     uint shadow_count = 0;
-    (void)gloss;
+    (void)glossy_material;
     mcv_draw_pairs(slot.base, smooth_end, alive, depth, MCV_PAIR_EMITTER);
 #if MCV_WITH_PLAIN
-    mcv_select_plain_emitters(world, slot, class_end, gloss);
+    mcv_select_plain_emitters(world, slot, class_end, glossy_material);
     mcv_sample_emitter_rows(world, slot, smooth_end, known_end);
-    shadow_count = mcv_list_plain_shadows(world, slot, class_end, gloss, shadows);
+    shadow_count = mcv_list_plain_shadows(world, slot, class_end, glossy_material, shadows);
 #endif
     mcv_select_any_emitters(world, slot, known_end, alive);
     mcv_sample_emitter_rows(world, slot, known_end, alive);

@@ -106,7 +106,7 @@ MCV_BATCH void mcv_select_any_emitters(mcv_world world, mcv_slot slot, uint firs
         materials[i] = met ? world.instances[mcv_hit_instance(world, slot)].material : 0u;
         sides[i] = met ? world.materials[materials[i]].scattering_sides : 0u;
     }
-#if MCV_WITH_REACH && MCV_WITH_GLOSS
+#if MCV_WITH_REACH && MCV_WITH_GLOSSY
     for (uint begin = first; begin < last; begin += MCV_SELECTION_BLOCK) {
         const uint end = min(begin + MCV_SELECTION_BLOCK, last);
         mcv_lobe_rows lobes;
@@ -142,33 +142,38 @@ MCV_BATCH void mcv_select_any_emitters(mcv_world world, mcv_slot slot, uint firs
 /* mcv_pick_emitter for the paths on plain surfaces. What these leave to light paths is left out
  * where they make shadow rays (mcv_respond_as). */
 MCV_BATCH void mcv_select_plain_emitters(mcv_world world, mcv_slot slot, const uint *class_end,
-                                         uint gloss) {
+                                         uint glossy_material) {
     const uint first = class_end[MCV_LAST_SMOOTH], last = class_end[MCV_LAST_KNOWN];
     uint *emitters = slot.base + MCV_PATH_emitter * MCV_ROW;
-    (void)gloss;
+    (void)glossy_material;
     if (world.frame->emitter_count == 1u) {
         for (uint i = first; i < last; ++i) emitters[i] = 0u;
         return;
     }
-#if MCV_WITH_REACH && MCV_WITH_GLOSS
+#if MCV_WITH_REACH && MCV_WITH_GLOSSY
     uint sides[MCV_ROW];
-    const uint gloss_first = class_end[MCV_LAST_DIFFUSE_EXACT],
-               gloss_last = class_end[MCV_LAST_GLOSS],
-               of_gloss = gloss != MCV_NONE ? world.materials[gloss].scattering_sides : 1u;
+    const uint glossy_first = class_end[MCV_LAST_DIFFUSE_EXACT],
+               glossy_last = class_end[MCV_LAST_GLOSSY],
+               glossy_sides = glossy_material != MCV_NONE
+                                  ? world.materials[glossy_material].scattering_sides
+                                  : 1u;
     for (uint i = first; i < last; ++i)
-        sides[i] = i >= gloss_first && i < gloss_last ? of_gloss : 1u;
-    mcv_select_rows(world, slot, first, gloss_first, sides);
-    mcv_select_rows(world, slot, gloss_last, last, sides);
+        sides[i] = i >= glossy_first && i < glossy_last ? glossy_sides : 1u;
+    mcv_select_rows(world, slot, first, glossy_first, sides);
+    mcv_select_rows(world, slot, glossy_last, last, sides);
 #define MCV_SELECT(bsdf, begin, end, shading) \
-    if (bsdf == MCV_SHADING_GLOSS) mcv_select_glossy_range(world, slot, begin, end, shading, sides);
+    if (bsdf == MCV_SHADING_GLOSSY) \
+        mcv_select_glossy_range(world, slot, begin, end, shading, sides);
     MCV_EACH_RANGE(MCV_SELECT)
 #undef MCV_SELECT
 #elif MCV_WITH_REACH || MCV_WITH_LIGHT_TREE
     uint sides[MCV_ROW];
-    const uint of_gloss = gloss != MCV_NONE ? world.materials[gloss].scattering_sides : 1u;
+    const uint glossy_sides =
+        glossy_material != MCV_NONE ? world.materials[glossy_material].scattering_sides : 1u;
     for (uint i = first; i < last; ++i)
-        sides[i] =
-            i >= class_end[MCV_LAST_DIFFUSE_EXACT] && i < class_end[MCV_LAST_GLOSS] ? of_gloss : 1u;
+        sides[i] = i >= class_end[MCV_LAST_DIFFUSE_EXACT] && i < class_end[MCV_LAST_GLOSSY]
+                       ? glossy_sides
+                       : 1u;
     mcv_select_rows(world, slot, first, last, sides);
 #else
     uint chosen[MCV_SLOTS];

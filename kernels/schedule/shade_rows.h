@@ -20,7 +20,7 @@ MCV_LOOP_FUNCTION uint mcv_shade_camera_path(mcv_world world, mcv_slot slot,
     if (MCV_WITH_SPLIT && shading.may_split) mcv_store_split(slot, shaded.split);
     if (shading.kind != MCV_SHADING_SMOOTH) mcv_keep_selection(slot);
     mcv_continue_path(world, slot, interaction, shading, shaded.on, shaded.throughput,
-                      shading.kind == MCV_SHADING_GLOSS ? shaded.fate == MCV_UNSHADED : 0);
+                      shading.kind == MCV_SHADING_GLOSSY ? shaded.fate == MCV_UNSHADED : 0);
     return shaded.fate;
 }
 
@@ -47,11 +47,11 @@ MCV_LOOP_FUNCTION void mcv_shade_range(mcv_world world, uint *paths, uint first,
 
 /* Shades the paths whose BSDF is known: fate[i] of each; MCV_UNSHADED of the others. */
 MCV_LOOP_FUNCTION void mcv_shade_ranges(mcv_world world, uint *paths, const uint *class_end,
-                                        uint gloss, int light, uint depth, uint *fate,
+                                        uint glossy_material, int light, uint depth, uint *fate,
                                         uint *unmatched) {
     uint differs[MCV_SLOTS];
     const uint known_end = class_end[MCV_LAST_KNOWN];
-    (void)gloss, (void)light;
+    (void)glossy_material, (void)light;
 #define MCV_SHADE(bsdf, first, last, shading) \
     mcv_shade_range(world, paths, first, last, shading, light, depth, fate, differs);
     MCV_EACH_RANGE(MCV_SHADE)
@@ -70,7 +70,7 @@ MCV_BATCH uint mcv_split_paths(mcv_world world, uint *paths, const uint *fate, u
     for (uint i = 0; i < last; ++i) splitting[i] = fate[i] & MCV_SPLITS;
     const uint rows[4][2] = {{MCV_PATH_stream, MCV_PATH_sample + 1 + MCV_WITH_MOVING},
                              {MCV_PATH_weight, MCV_PATH_hit + 4},
-                             {MCV_PATH_point, MCV_PATH_AFTER_gloss_known + 1},
+                             {MCV_PATH_point, MCV_PATH_AFTER_glossy_known + 1},
                              {MCV_PATH_branch_state, MCV_PATH_AFTER_branch_state + 1}};
     for (uint i = 0; i < 4; ++i) {
         uint *from = paths + rows[i][0] * MCV_ROW;
@@ -89,8 +89,8 @@ MCV_BATCH uint mcv_split_paths(mcv_world world, uint *paths, const uint *fate, u
 
 /* Shades the paths: fate[i] of each. Their branches begin in the slots from `alive` on; returns
  * where these end. */
-MCV_BATCH uint mcv_shade_paths(mcv_world world, mcv_slot slot, const uint *class_end, uint gloss,
-                               uint depth, uint *fate, uint *unmatched) {
+MCV_BATCH uint mcv_shade_paths(mcv_world world, mcv_slot slot, const uint *class_end,
+                               uint glossy_material, uint depth, uint *fate, uint *unmatched) {
     const uint alive = class_end[MCV_LAST_CLASS];
     uint flags[MCV_ROW], unshaded[MCV_SLOTS];
     mcv_slot beside = slot;
@@ -99,9 +99,9 @@ MCV_BATCH uint mcv_shade_paths(mcv_world world, mcv_slot slot, const uint *class
 #if MCV_WITH_DIFFUSE
     mcv_sample_diffuse_directions(slot.base, class_end[MCV_LAST_SMOOTH], alive);
 #endif
-    mcv_shade_ranges(world, slot.base, class_end, gloss, 0, depth, fate, unmatched);
+    mcv_shade_ranges(world, slot.base, class_end, glossy_material, 0, depth, fate, unmatched);
     if (MCV_WITH_SMOOTH && MCV_WITH_SPLIT)
-        beside.index = mcv_split_paths(world, slot.base, fate, class_end[MCV_LAST_GLOSS], alive);
+        beside.index = mcv_split_paths(world, slot.base, fate, class_end[MCV_LAST_GLOSSY], alive);
     MCV_VECTORIZE
     for (uint i = 0; i < alive; ++i) flags[i] = fate[i] == MCV_UNSHADED;
     const uint count = mcv_compact_indices(flags, alive, unshaded);

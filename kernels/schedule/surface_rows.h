@@ -142,11 +142,12 @@ MCV_BATCH void mcv_apply_images(mcv_world world, uint *paths, uint first, uint l
     }
 }
 
-#if MCV_WITH_GLOSS
+#if MCV_WITH_GLOSSY
 /* What the image of a glossy material makes of its roughness and of its metallic share, on a range
  * of its surfaces. */
-MCV_BATCH void mcv_find_polish(mcv_world world, uint *paths, uint first, uint last, uint gloss) {
-    const uint texture = world.gloss[gloss].texture;
+MCV_BATCH void mcv_find_polish(mcv_world world, uint *paths, uint first, uint last,
+                               uint glossy_material) {
+    const uint texture = world.glossy[glossy_material].texture;
     if (texture == MCV_NONE) {
         MCV_VECTORIZE
         MCV_EACH_PATH (slot, paths, first, last) {
@@ -166,29 +167,30 @@ MCV_BATCH void mcv_find_polish(mcv_world world, uint *paths, uint first, uint la
 #endif
 #endif
 
-/* What is known of the surfaces that the paths have hit, for all of them. gloss: the material of
- * the glossy classes. */
-static void mcv_find_interactions(mcv_world world, uint *paths, const uint *class_end, uint gloss) {
+/* What is known of the surfaces that the paths have hit, for all of them. glossy_material: the
+ * material of the glossy classes. */
+static void mcv_find_interactions(mcv_world world, uint *paths, const uint *class_end,
+                                  uint glossy_material) {
     mcv_find_surfaces(world, paths, class_end);
 #if MCV_WITH_CONTACT
     mcv_find_contact_rows(world, paths, class_end[MCV_LAST_CLASS]);
 #endif
-    (void)gloss;
+    (void)glossy_material;
     if (!MCV_WITH_PLAIN) return;
 #if MCV_WITH_TEXTURE
     const uint first = class_end[MCV_LAST_SMOOTH], last = class_end[MCV_LAST_KNOWN];
     mcv_find_reflectances(world, paths, first, last);
     mcv_apply_images(world, paths, first, last);
-#if MCV_WITH_GLOSS
-    if (gloss != MCV_NONE)
-        mcv_find_polish(world, paths, class_end[MCV_LAST_DIFFUSE_EXACT], class_end[MCV_LAST_GLOSS],
-                        gloss);
+#if MCV_WITH_GLOSSY
+    if (glossy_material != MCV_NONE)
+        mcv_find_polish(world, paths, class_end[MCV_LAST_DIFFUSE_EXACT], class_end[MCV_LAST_GLOSSY],
+                        glossy_material);
 #endif
 #else
     /* In this order: the first call overwrites words of the second one's range. */
     mcv_find_reflectances(world, paths, class_end[MCV_LAST_SMOOTH],
                           class_end[MCV_LAST_DIFFUSE_EXACT]);
-    mcv_find_reflectances(world, paths, class_end[MCV_LAST_GLOSS], class_end[MCV_LAST_KNOWN]);
+    mcv_find_reflectances(world, paths, class_end[MCV_LAST_GLOSSY], class_end[MCV_LAST_KNOWN]);
 #endif
 }
 

@@ -88,13 +88,13 @@ MCV_BATCH void mcv_render_slice(mcv_world world, uint slice, __global float *sum
                count = min((uint)MCV_SLICE, world.frame->path_count - first);
     MCV_ALIGNED uint paths[MCV_PATH_WORDS * MCV_ROW];
     float values[MCV_CHANNELS * MCV_SLOTS];
-    uint classes[MCV_ROW], class_end[MCV_CLASS_COUNT], fate[MCV_ROW], gloss;
+    uint classes[MCV_ROW], class_end[MCV_CLASS_COUNT], fate[MCV_ROW], glossy_material;
     uint counts[MCV_COUNTER_COUNT] = {0};
     uint branches = 1; /* that a sample may have by now */
     mcv_slot slot = mcv_slot_at(paths, 0);
-#if MCV_WITH_GLOSS
-    mcv_gloss_interaction glosses[MCV_SLOTS];
-    slot.glosses = glosses;
+#if MCV_WITH_GLOSSY
+    mcv_glossy_interaction glossy_interactions[MCV_SLOTS];
+    slot.glossy_interactions = glossy_interactions;
 #endif
     MCV_CLOCK_BEGIN
     mcv_clear_values(values, 0);
@@ -105,11 +105,11 @@ MCV_BATCH void mcv_render_slice(mcv_world world, uint slice, __global float *sum
         counts[MCV_COUNTER_rays] += alive;
         mcv_intersect_paths(world, paths, alive);
         MCV_CLOCK_STAGE(intersect_closest)
-        mcv_classify_hits(world, paths, alive, classes, &gloss);
+        mcv_classify_hits(world, paths, alive, classes, &glossy_material);
         counts[MCV_COUNTER_nonfinite] +=
             mcv_terminate_early(world, paths, classes, alive, depth, values);
         mcv_sort_paths(paths, classes, alive, class_end);
-        mcv_find_interactions(world, paths, class_end, gloss);
+        mcv_find_interactions(world, paths, class_end, glossy_material);
         alive = class_end[MCV_LAST_CLASS];
         if (mcv_needs_choice(world.frame, depth))
             mcv_draw_pairs(paths, 0, alive, depth, MCV_PAIR_CHOICE);
@@ -118,15 +118,15 @@ MCV_BATCH void mcv_render_slice(mcv_world world, uint slice, __global float *sum
         if (depth + 1 < world.frame->depth) {
             uint shadows[MCV_SLOTS];
             const uint shadow_count =
-                mcv_sample_emitters(world, slot, class_end, gloss, depth, shadows);
+                mcv_sample_emitters(world, slot, class_end, glossy_material, depth, shadows);
             MCV_CLOCK_STAGE(sample_emitters)
             mcv_intersect_shadows(world, paths, shadows, shadow_count);
             MCV_CLOCK_STAGE(intersect_shadow)
             counts[MCV_COUNTER_shadow_rays] += shadow_count;
         }
 #endif
-        const uint branch_end = mcv_shade_paths(world, slot, class_end, gloss, depth, fate,
-                                                &counts[MCV_COUNTER_unmatched]);
+        const uint branch_end = mcv_shade_paths(world, slot, class_end, glossy_material, depth,
+                                                fate, &counts[MCV_COUNTER_unmatched]);
         /* A path splits at most once at each surface. */
         while (branch_end > alive && branches < min(depth + 2u, (uint)MCV_BRANCHES))
             mcv_clear_values(values, branches++);

@@ -7,14 +7,14 @@
 #include "light/lobe.h"
 #include "path/camera_path.h"
 
-#if MCV_WITH_REACH && MCV_WITH_GLOSS
+#if MCV_WITH_REACH && MCV_WITH_GLOSSY
 /* What a glossy surface makes of light; rough glass sends on as much from everywhere. */
-MCV_LOOP_FUNCTION mcv_receiver_lobe mcv_lobe_of_gloss(const mcv_gloss_interaction *m) {
+MCV_LOOP_FUNCTION mcv_receiver_lobe mcv_lobe_of_glossy(const mcv_glossy_interaction *m) {
     mcv_receiver_lobe lobe = mcv_even_lobe();
-    if (m->gloss.type == MCV_MATERIAL_DIELECTRIC) return lobe;
+    if (m->microfacets.type == MCV_MATERIAL_DIELECTRIC) return lobe;
     lobe.along = m->x;
-    lobe.along_squared = m->gloss.alpha.x * m->gloss.alpha.x;
-    lobe.across_squared = m->gloss.alpha.y * m->gloss.alpha.y;
+    lobe.along_squared = m->microfacets.alpha.x * m->microfacets.alpha.x;
+    lobe.across_squared = m->microfacets.alpha.y * m->microfacets.alpha.y;
     lobe.specular = m->lobes.specular;
     lobe.spread = 1.0f - m->lobes.specular;
     lobe.even = 0.0f;
@@ -27,14 +27,14 @@ MCV_FUNCTION mcv_receiver_lobe mcv_receiver_lobe_at(mcv_world world, mcv_slot sl
                                                     const mcv_interaction *interaction) {
     const uint material = world.instances[interaction->surface.instance].material,
                media = mcv_path_media(slot);
-    mcv_gloss_interaction room;
+    mcv_glossy_interaction room;
     if (world.materials[material].type == MCV_MATERIAL_DIELECTRIC ||
         !mcv_is_rough(world, interaction, media))
         return mcv_even_lobe();
     if (!MCV_WITH_DISPERSION)
-        return mcv_lobe_of_gloss(mcv_known_gloss(world, interaction, material, media, &room));
-    room = mcv_make_gloss_interaction(world, interaction, material, media);
-    return mcv_lobe_of_gloss(&room);
+        return mcv_lobe_of_glossy(mcv_known_glossy(world, interaction, material, media, &room));
+    room = mcv_make_glossy_interaction(world, interaction, material, media);
+    return mcv_lobe_of_glossy(&room);
 }
 #endif
 

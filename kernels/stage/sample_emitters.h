@@ -101,14 +101,14 @@ MCV_FUNCTION uint mcv_pick_emitter(mcv_world world, mcv_slot slot, uint depth) {
     mcv_light_selection selection;
     mcv_receiver_lobe lobe = mcv_even_lobe();
     float chance;
-#if MCV_WITH_REACH && MCV_WITH_GLOSS
+#if MCV_WITH_REACH && MCV_WITH_GLOSSY
     lobe = mcv_receiver_lobe_at(world, slot, &interaction);
 #endif
     const uint emitter =
         mcv_select_emitter(world, point, face, normal, sides, interaction.direction, lobe, choice.x,
                            &selection, &chance);
     mcv_put_selection(slot, selection);
-    if (MCV_WITH_REACH && MCV_WITH_GLOSS) MCV_STORE(slot, selection_here, 2, chance);
+    if (MCV_WITH_REACH && MCV_WITH_GLOSSY) MCV_STORE(slot, selection_here, 2, chance);
 #endif
     return emitter;
 }
@@ -145,7 +145,7 @@ MCV_LOOP_FUNCTION mcv_shadow mcv_apply_selection(mcv_world world, mcv_slot slot,
                                  ? MCV_LOAD(slot, selection_here, 3)
                                  : mcv_selection_ratio(e, point, MCV_LOAD(slot, selection_here, 0),
                                                        MCV_LOAD(slot, selection_here, 1));
-    const float chosen = MCV_WITH_REACH && MCV_WITH_GLOSS
+    const float chosen = MCV_WITH_REACH && MCV_WITH_GLOSSY
                              ? MCV_LOAD(slot, selection_here, 2) / e->probability
                              : preference;
     shadow.density *= preference;
@@ -184,16 +184,16 @@ MCV_LOOP_FUNCTION mcv_response mcv_respond_as(mcv_world world, mcv_slot slot,
         return mcv_respond_diffuse(interaction, reflectance, media, direction);
     }
 #endif
-#if MCV_WITH_PLAIN && MCV_WITH_GLOSS
-    if (shading.kind == MCV_SHADING_GLOSS) {
-        const mcv_gloss_interaction m =
-            mcv_make_plain_gloss_interaction(world, slot, interaction, shading, media);
+#if MCV_WITH_PLAIN && MCV_WITH_GLOSSY
+    if (shading.kind == MCV_SHADING_GLOSSY) {
+        const mcv_glossy_interaction m =
+            mcv_make_plain_glossy_interaction(world, slot, interaction, shading, media);
         mcv_response response =
-            mcv_respond_gloss_of(world, interaction, shading.gloss, &m, direction);
+            mcv_respond_glossy_of(world, interaction, shading.glossy, &m, direction);
         /* Where it has not chosen an emitter any number will do. */
         const uint emitter = MCV_WORD(slot, emitter, 0), some = emitter == MCV_NONE ? 0u : emitter;
         const int near_specular = (int)world.materials[shading.material].near_specular;
-        const int dropped = (m.gloss.table == MCV_NONE) |
+        const int dropped = (m.microfacets.table == MCV_NONE) |
                             mcv_leaves_to_light_paths(world, slot, some, near_specular);
         MCV_EACH_CHANNEL(c) response.value.c[c] = dropped ? 0.0f : response.value.c[c];
         return response;

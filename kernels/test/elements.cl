@@ -11,7 +11,7 @@
 #include "mcvisi/emitters/parallel.h"
 #include "mcvisi/emitters/projector.h"
 #include "mcvisi/materials/dielectric.h"
-#if MCV_WITH_GLOSS
+#if MCV_WITH_GLOSSY
 #include "bsdf/microfacet.h"
 #endif
 #if MCV_WITH_REFLECTOR
@@ -163,11 +163,11 @@ __kernel void sample_cones(__global const float *cases, __global float *directio
     directions[3 * i + 2] = d.z;
 }
 
-#if MCV_WITH_GLOSS
+#if MCV_WITH_GLOSSY
 /* A glossy surface, before its albedos. */
 typedef struct mcv_glossy_case {
-    mcv_device_gloss material;
-    mcv_gloss gloss;
+    mcv_device_glossy material;
+    mcv_microfacets microfacets;
     uint padding[4];
 } mcv_glossy_case;
 
@@ -178,11 +178,11 @@ __kernel void evaluate_gloss(__global const mcv_glossy_case *surface, __global c
     __global const float *in = cases + 6 * k;
     __global const float *albedos = (__global const float *)(surface + 1);
     const mcv_vec3 o = mcv_vec(in[0], in[1], in[2]);
-    const mcv_gloss gloss = surface->gloss;
-    const mcv_device_gloss material = surface->material;
-    const mcv_lobes lobes = mcv_gloss_lobes(&material, &gloss, albedos, o);
-    const mcv_response response =
-        mcv_gloss_respond(&material, &gloss, albedos, &lobes, o, mcv_vec(in[3], in[4], in[5]));
+    const mcv_microfacets microfacets = surface->microfacets;
+    const mcv_device_glossy material = surface->material;
+    const mcv_lobes lobes = mcv_microfacet_lobes(&material, &microfacets, albedos, o);
+    const mcv_response response = mcv_microfacet_respond(&material, &microfacets, albedos, &lobes,
+                                                         o, mcv_vec(in[3], in[4], in[5]));
     results[2 * k] = response.value.c[0];
     results[2 * k + 1] = response.density;
 }
@@ -194,10 +194,11 @@ __kernel void sample_gloss(__global const mcv_glossy_case *surface, __global con
     __global const float *in = cases + 6 * k;
     __global const float *albedos = (__global const float *)(surface + 1);
     const mcv_vec3 o = mcv_vec(in[0], in[1], in[2]);
-    const mcv_gloss gloss = surface->gloss;
-    const mcv_device_gloss material = surface->material;
-    const mcv_lobes lobes = mcv_gloss_lobes(&material, &gloss, albedos, o);
-    const mcv_vec3 i = mcv_gloss_sample(&material, &gloss, &lobes, o, in[3], in[4], in[5]);
+    const mcv_microfacets microfacets = surface->microfacets;
+    const mcv_device_glossy material = surface->material;
+    const mcv_lobes lobes = mcv_microfacet_lobes(&material, &microfacets, albedos, o);
+    const mcv_vec3 i =
+        mcv_microfacet_sample(&material, &microfacets, &lobes, o, in[3], in[4], in[5]);
     directions[3 * k] = i.x;
     directions[3 * k + 1] = i.y;
     directions[3 * k + 2] = i.z;

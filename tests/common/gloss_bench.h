@@ -14,7 +14,7 @@ enum { CASES = 1 << 16 };
 
 /* mcv_glossy_case of kernels/test/elements.cl with one channel. */
 typedef struct element {
-    mcv_device_gloss material;
+    mcv_device_glossy material;
     uint32_t type;
     float alpha[2], base, metallic, layer;
     uint32_t table, inside;
@@ -116,7 +116,7 @@ static bench open_bench(const subject *s, bool inside, bool with_reference) {
     const mcv_packed packed = made[number].packed;
     const double scale = s->scale > 0 ? s->scale : 1,
                  ior = s->type == MCV_MATERIAL_DIELECTRIC ? material.as.dielectric.ior[0] : 1;
-    const mcv_device_gloss *gloss = &packed.gloss[0];
+    const mcv_device_glossy *gloss = &packed.glossy[0];
     const double alpha = fmax(pow(gloss->roughness * scale, 2), 1e-3);
     b.bytes = sizeof *b.element + sizeof(float) * packed.albedo_count;
     b.element = calloc(1, b.bytes);
@@ -202,7 +202,7 @@ static int close_gloss(void **state) {
 }
 
 static int open_gloss(void **state) {
-    element_features = MCV_FEATURE_BIT(GLOSS) | MCV_FEATURE_BIT(ANISOTROPY) |
+    element_features = MCV_FEATURE_BIT(GLOSSY) | MCV_FEATURE_BIT(ANISOTROPY) |
                        MCV_FEATURE_BIT(METAL) | MCV_FEATURE_BIT(METALLIC) |
                        MCV_FEATURE_BIT(ROUGH_GLASS) | MCV_FEATURE_BIT(TEXTURE) |
                        MCV_FEATURE_BIT(DIELECTRIC) | MCV_FEATURE_BIT(COATING);

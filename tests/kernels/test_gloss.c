@@ -27,7 +27,7 @@ static double lobe_error(const bench *b, ref_vec o, ref_vec i) {
 
 /* The largest entry of the device's table about a direction, and the least mean. */
 static double largest_near(const bench *b, ref_vec w) {
-    const mcv_device_gloss *m = &b->element->material;
+    const mcv_device_glossy *m = &b->element->material;
     const float *rows = (const float *)(const void *)(b->element + 1) + b->element->table;
     const uint32_t size = 2 + 2 * m->azimuths * MCV_ALBEDO_COSINES;
     const uint32_t column = (uint32_t)(sqrt(fabs(w.z)) * (MCV_ALBEDO_COSINES - 1));
