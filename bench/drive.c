@@ -109,7 +109,7 @@ static mcv_result add_buffers(mcv_cl *cl, mcv_device_scene *device, mcv_error *e
         {&device->normals, 12 * vertices, nothing},
         {&device->texcoords, 8 * vertices, nothing},
         {&device->tangents, 16 * vertices, nothing},
-        {&device->media, sizeof packed->media, packed->media},
+        {&device->medium_table, sizeof packed->medium_table, packed->medium_table},
         {&device->interfaces, sizeof packed->interfaces, packed->interfaces},
         {&device->interface_albedos, sizeof packed->interface_albedos, packed->interface_albedos}};
     for (size_t i = 0; i < sizeof needed / sizeof needed[0] && result == MCV_OK; ++i) {

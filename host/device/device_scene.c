@@ -327,7 +327,7 @@ mcv_result mcv_device_scene_place(mcv_cl *cl, const mcv_scene *scene, uint32_t s
     while (filling < MCV_MAX_MEDIA && frame->initial_media >> filling != 0) ++filling;
     for (int k = 0; k < 3; ++k)
         frame->sensor_index_squared[k] =
-            filling > 0 ? 1.0f / packed->media[k][filling].inverse_index_squared : 1.0f;
+            filling > 0 ? 1.0f / packed->medium_table[k][filling].inverse_index_squared : 1.0f;
     memcpy(frame->environment, packed->environment, sizeof frame->environment);
     frame->environment_emitter = packed->environment_emitter;
     frame->environment_element = packed->environment_element;

@@ -53,7 +53,7 @@ typedef struct mcv_packed {
     size_t albedo_count;
     mcv_albedo_source *albedo_sources; /* of each table in it */
     uint32_t albedo_source_count;
-    mcv_device_medium media[3][MCV_MAX_MEDIA + 1]; /* by channel */
+    mcv_device_medium medium_table[3][MCV_MAX_MEDIA + 1]; /* by channel */
     mcv_device_interface interfaces[3][(MCV_MAX_MEDIA + 1) * (MCV_MAX_MEDIA + 1)];
     uint32_t interface_albedos[(MCV_MAX_MEDIA + 1) * (MCV_MAX_MEDIA + 1)];
     mcv_contact_grid *contact_grid; /* NULL where no bodies may touch */

@@ -30,10 +30,10 @@ static void pack_media(const mcv_scene *scene, mcv_packed *packed, uint32_t coun
         const mcv_medium_params *params = &scene->materials[materials[m]].as.medium;
         index[m] = params->ior[channel];
         for (int k = 0; k < 3; ++k)
-            packed->media[channel][m].absorption[k] = (float)params->absorption[k];
+            packed->medium_table[channel][m].absorption[k] = (float)params->absorption[k];
     }
     for (uint32_t a = 0; a <= count; ++a) {
-        packed->media[channel][a].inverse_index_squared = (float)(1 / (index[a] * index[a]));
+        packed->medium_table[channel][a].inverse_index_squared = (float)(1 / (index[a] * index[a]));
         for (uint32_t b = 0; b <= count; ++b) {
             mcv_device_interface *between =
                 &packed->interfaces[channel][a * (MCV_MAX_MEDIA + 1) + b];

@@ -38,8 +38,8 @@
       present(p->glossy, p->material_count * sizeof *p->glossy), p->glossy) \
     X(__global, const float, albedos, "the albedos of microfacets", 4 * p->albedo_count, \
       p->albedos) \
-    X(__global, const mcv_device_medium, media, "the media", tables * sizeof p->media[0], \
-      p->media) \
+    X(__global, const mcv_device_medium, medium_table, "the media", \
+      tables * sizeof p->medium_table[0], p->medium_table) \
     X(__global, const mcv_device_interface, interfaces, "the interfaces", \
       tables * sizeof p->interfaces[0], p->interfaces) \
     /* Where the albedos of a rough interface begin; MCV_NONE: it is smooth. */ \

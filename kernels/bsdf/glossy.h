@@ -80,7 +80,7 @@ MCV_LOOP_FUNCTION mcv_glossy_interaction mcv_make_glossy_interaction_of(
         m.microfacets.table &= crossing.albedos;
     } else if (MCV_WITH_DIELECTRIC) {
         m.microfacets.between.eta =
-            mcv_sqrt(world.media[mcv_filling_medium(media)].inverse_index_squared);
+            mcv_sqrt(world.medium_table[mcv_filling_medium(media)].inverse_index_squared);
     }
 
     m.z = interaction->normal;
@@ -210,9 +210,10 @@ static mcv_scattering mcv_scatter_conductor(mcv_world world, mcv_interaction int
                                             uint material, uint media) {
     mcv_scattering scattering = mcv_scatter_mirrored(interaction, media);
     __global const mcv_device_glossy *from = world.glossy + material;
-    const float scale = MCV_WITH_DIELECTRIC
-                            ? mcv_sqrt(world.media[mcv_filling_medium(media)].inverse_index_squared)
-                            : 1.0f;
+    const float scale =
+        MCV_WITH_DIELECTRIC
+            ? mcv_sqrt(world.medium_table[mcv_filling_medium(media)].inverse_index_squared)
+            : 1.0f;
     const float cosine = -mcv_dot(interaction.direction, interaction.normal);
     MCV_EACH_CHANNEL(i)
     scattering.factor.c[i] = mcv_conductor_fresnel(from->n[i] * scale, from->k[i] * scale,

@@ -15,7 +15,7 @@ MCV_FUNCTION mcv_device_interface mcv_plate_interface(mcv_world world, float eta
     into.delta = delta;
     if (MCV_WITH_DIELECTRIC && media != 0) {
         const float squared =
-            eta * eta / world.media[mcv_filling_medium(media)].inverse_index_squared;
+            eta * eta / world.medium_table[mcv_filling_medium(media)].inverse_index_squared;
         into.eta = mcv_sqrt(squared);
         into.delta = 1.0f - squared;
     }

@@ -29,7 +29,7 @@ MCV_FUNCTION uint mcv_kept_channel(mcv_color carried) {
 
 /* The world as light of a channel meets it: with its indices of refraction. */
 MCV_FUNCTION mcv_world mcv_in_channel(mcv_world world, uint channel) {
-    world.media += channel * (MCV_MAX_MEDIA + 1u);
+    world.medium_table += channel * (MCV_MAX_MEDIA + 1u);
     world.interfaces += channel * (MCV_MAX_MEDIA + 1u) * (MCV_MAX_MEDIA + 1u);
 #if MCV_WITH_MIXED
     world.refractive_indices += channel * (MCV_MAX_MEDIA + 1u);
