@@ -81,7 +81,7 @@ drive_options drive_defaults(uint32_t schedule) {
  * exist to be sampled, and dispersion, with which a path keeps one channel.
  */
 static uint64_t all_features(const mcv_packed *packed) {
-    const uint64_t not_elements = MCV_FEATURE_BIT(AIM) | MCV_FEATURE_BIT(LIGHT_TRACING) |
+    const uint64_t not_elements = MCV_FEATURE_BIT(PUPIL_GUIDE) | MCV_FEATURE_BIT(LIGHT_TRACING) |
                                   MCV_FEATURE_BIT(ENVIRONMENT_IMAGE) | MCV_FEATURE_BIT(DISPERSION) |
                                   MCV_FEATURE_BIT(REACH) | MCV_FEATURE_BIT(SPLIT) |
                                   MCV_FEATURE_BIT(EARLY_ROULETTE) | MCV_FEATURE_BIT(MIXED);
@@ -137,7 +137,7 @@ static mcv_result add_clock(drive *d, const mcv_render_options *options, mcv_err
     s->program = NULL;
     mcv_cl_release(&s->counters);
     MCV_TRY(mcv_cl_build(d->cl, "schedule/tile", defines, &s->program, error));
-    if (packed->features >> MCV_FEATURE_AIM & 1)
+    if (packed->features >> MCV_FEATURE_PUPIL_GUIDE & 1)
         MCV_TRY(mcv_cl_kernel(s->program, "aim_pupils", &s->kernels[MCV_KERNEL_aim_pupils], error));
     MCV_TRY(mcv_cl_kernel(s->program, "render_tile", &s->kernels[MCV_KERNEL_generate_rays], error));
     const size_t slices = s->capacity / s->slice;
@@ -190,7 +190,7 @@ mcv_result drive_open(mcv_cl *cl, const mcv_scene *scene, drive_options options,
     d->sums = malloc(d->sum_count * sizeof *d->sums);
     if (!d->sums) return mcv_fail(error, MCV_FAILED, "no memory for the sums of a launch");
     MCV_TRY(mcv_device_scene_place(cl, scene, 0, &d->device, &d->frame, error));
-    return mcv_schedule_aim(&d->schedule, &d->frame, &d->stats, error);
+    return mcv_schedule_guide(&d->schedule, &d->frame, &d->stats, error);
 }
 
 void drive_close(drive *d) {

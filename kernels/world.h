@@ -40,7 +40,7 @@ typedef MCV_JOIN(mcv_, MCV_SENSOR, ) mcv_sensor;
 #define mcv_sensor_connect MCV_JOIN(mcv_, MCV_SENSOR, _connect)
 #define mcv_sensor_footprint MCV_JOIN(mcv_, MCV_SENSOR, _footprint)
 #endif
-#if MCV_WITH_AIM
+#if MCV_WITH_PUPIL_GUIDE
 #define mcv_sensor_through MCV_JOIN(mcv_, MCV_SENSOR, _through)
 #endif
 

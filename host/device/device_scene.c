@@ -336,7 +336,7 @@ mcv_result mcv_device_scene_place(mcv_cl *cl, const mcv_scene *scene, uint32_t s
     mcv_part_motion_prepare(scene, packed->centre, &frame->part_motion);
     frame->moving_nodes = device->moving[0];
     frame->moving_leaves = device->moving[1];
-    if (packed->features >> MCV_FEATURE_AIM & 1) {
+    if (packed->features >> MCV_FEATURE_PUPIL_GUIDE & 1) {
         const size_t bytes = sizeof(mcv_device_pupil_guide) * frame->width * frame->height;
         MCV_TRY(mcv_cl_buffer(cl, "the pupil guides", bytes, NULL, &device->pupil_guides, error));
     }

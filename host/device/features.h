@@ -35,8 +35,8 @@ typedef struct mcv_feature_causes {
 
 /*
  * Decides the features, bit MCV_FEATURE_…, of a packed scene. REACH, RECTANGLE, MANY_EMITTERS and
- * EARLY_ROULETTE need packed emitters; AIM and LIGHT_TRACING depend on the sensor. `sensor` and
- * `causes` may be NULL. The result depends on the arguments alone.
+ * EARLY_ROULETTE need packed emitters; PUPIL_GUIDE and LIGHT_TRACING depend on the sensor. `sensor`
+ * and `causes` may be NULL. The result depends on the arguments alone.
  */
 uint64_t mcv_decide_features(const mcv_scene *scene, const mcv_packed *packed,
                              const mcv_sensor *sensor, mcv_feature_options options,

@@ -86,7 +86,7 @@ static mcv_result open_scene(mcv_renderer *r, const mcv_scene *scene, uint32_t s
                            .seed = r->options->seed,
                            .depth = r->options->depth};
     MCV_TRY(mcv_device_scene_place(&r->cl, scene, sensor, &r->scene, &r->frame, r->error));
-    return mcv_schedule_aim(&r->schedule, &r->frame, r->stats, r->error);
+    return mcv_schedule_guide(&r->schedule, &r->frame, r->stats, r->error);
 }
 
 mcv_result mcv_open_scene(mcv_renderer *r, const mcv_scene *scene, uint32_t sensor) {

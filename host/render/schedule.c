@@ -21,7 +21,9 @@ static uint32_t fitting_paths(const mcv_cl *cl, size_t bytes_per_path, uint32_t 
     return fitting < most ? (uint32_t)fitting : most;
 }
 
-static bool aims(const mcv_schedule *s) { return s->scene->packed.features >> MCV_FEATURE_AIM & 1; }
+static bool guides(const mcv_schedule *s) {
+    return s->scene->packed.features >> MCV_FEATURE_PUPIL_GUIDE & 1;
+}
 
 static bool traces_light(const mcv_schedule *s) {
     return s->scene->packed.features >> MCV_FEATURE_LIGHT_TRACING & 1;
@@ -29,7 +31,7 @@ static bool traces_light(const mcv_schedule *s) {
 
 static mcv_result open_tile(mcv_schedule *s, const char *options, mcv_error *error) {
     MCV_TRY(mcv_cl_build(s->cl, "schedule/tile", options, &s->program, error));
-    if (aims(s))
+    if (guides(s))
         MCV_TRY(mcv_cl_kernel(s->program, "aim_pupils", &s->kernels[MCV_KERNEL_aim_pupils], error));
     if (traces_light(s))
         MCV_TRY(mcv_cl_kernel(s->program, "trace_emitter_paths",
@@ -280,11 +282,11 @@ static mcv_result finish_stream(mcv_schedule *s, mcv_render_stats *stats, mcv_er
     return MCV_OK;
 }
 
-mcv_result mcv_schedule_aim(mcv_schedule *schedule, const mcv_frame *frame, mcv_render_stats *stats,
-                            mcv_error *error) {
+mcv_result mcv_schedule_guide(mcv_schedule *schedule, const mcv_frame *frame,
+                              mcv_render_stats *stats, mcv_error *error) {
     mcv_schedule *s = schedule;
     mcv_arg arguments[MCV_SCENE_ARGUMENTS + 1];
-    if (!aims(s)) return MCV_OK;
+    if (!guides(s)) return MCV_OK;
     const bool tile = s->kind == MCV_SCHEDULE_TILE;
     const size_t pixels = (size_t)frame->width * frame->height;
     MCV_TRY(mcv_cl_write(s->cl, s->scene->frame, 0, sizeof *frame, frame, error));

@@ -57,9 +57,9 @@ mcv_result mcv_schedule_open(mcv_cl *cl, const mcv_device_scene *scene, uint32_t
 void mcv_schedule_close(mcv_schedule *schedule);
 
 /* Fills in the pixels' pupil guides. To be called before the first start if the features include
- * AIM. */
-mcv_result mcv_schedule_aim(mcv_schedule *schedule, const mcv_frame *frame, mcv_render_stats *stats,
-                            mcv_error *error);
+ * PUPIL_GUIDE. */
+mcv_result mcv_schedule_guide(mcv_schedule *schedule, const mcv_frame *frame,
+                              mcv_render_stats *stats, mcv_error *error);
 
 /* Starts to render the frame's paths, and as many light paths unless its pixels are listed. The
  * caller may do other work until it waits. */

@@ -36,7 +36,7 @@ static void print_all(FILE *out) {
         const bool disk = type == MCV_SENSOR_THIN_LENS ||
                           type == MCV_SENSOR_TELECENTRIC; /* pupil guiding needs a round pupil */
         /* Light paths do not reach a scanner. */
-        const uint64_t none = (disk ? 0 : MCV_FEATURE_BIT(AIM)) |
+        const uint64_t none = (disk ? 0 : MCV_FEATURE_BIT(PUPIL_GUIDE)) |
                               (type == MCV_SENSOR_FLYING_SPOT ? MCV_FEATURE_BIT(LIGHT_TRACING) : 0);
         const uint64_t all = MCV_ALL_FEATURES & ~none;
         for (int other = 0; other < 2; ++other) print_defines(out, all & ~choices[other], 3, type);

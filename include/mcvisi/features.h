@@ -57,7 +57,7 @@
     X(MOVING, "moving", "parts move") \
     X(APERTURE, "aperture", "the sensor's aperture is no full disc") \
     X(DISTORTION, "distortion", "the sensor's film is tilted, or its lens distorts") \
-    X(AIM, "aim", \
+    X(PUPIL_GUIDE, "aim", \
       "pupil guiding: the cone of a parallel emitter is narrower than the sensor's pupil") \
     X(LIGHT_TRACING, "light-tracing", \
       "light tracing: emitters light scattering surfaces, or a beam reaches the lens, by way of " \
@@ -81,7 +81,7 @@ enum {
  * terms of MCV_WITH_…, is not 0. The names are keys of `check --json`; kernels/README.md says which
  * file holds each stage. */
 #define MCV_STAGES(X) \
-    X(aim_pupils, MCV_WITH_AIM) \
+    X(aim_pupils, MCV_WITH_PUPIL_GUIDE) \
     X(generate_rays, 1) \
     X(intersect_closest, 1) \
     X(sample_emitters, MCV_WITH_NEXT_EVENT) \

@@ -65,7 +65,7 @@ MCV_LOOP_FUNCTION mcv_precise_ray mcv_place_sensor_ray_precisely(__constant cons
 }
 #endif
 
-#if MCV_WITH_AIM
+#if MCV_WITH_PUPIL_GUIDE
 /* What each pixel sees through: the disk of the lens or stop, or of a light field camera its own
  * square of the lens. */
 #if MCV_SENSOR_light_field
@@ -86,15 +86,15 @@ MCV_LOOP_FUNCTION int mcv_in_pupil(float p_x, float p_y) {
 
 /*
  * A camera ray of a pixel: half of the samples take the whole pupil, half the ellipse of the
- * pixel's aim; weighed by the balance heuristic, density of the pupil over that of the mixture.
+ * pixel's guide; weighed by the balance heuristic, density of the pupil over that of the mixture.
  */
 MCV_LOOP_FUNCTION mcv_sensor_ray mcv_guided_sensor_ray(mcv_world world, mcv_film_sample film,
                                                        mcv_pair pair) {
-    __global const mcv_device_pupil_guide *aim =
+    __global const mcv_device_pupil_guide *guide =
         world.pupil_guides + (size_t)film.row * world.frame->width + film.column;
     mcv_sensor_ray sensor_ray;
     float cosine, sine;
-    if (!(aim->advantage > 0.0f)) return mcv_sensor_sample(world.sensor, film, pair.x, pair.y);
+    if (!(guide->advantage > 0.0f)) return mcv_sensor_sample(world.sensor, film, pair.x, pair.y);
 #if MCV_SENSOR_light_field
     /* The place in the pixel is that on the lens. */
     pair.x = film.x;
@@ -105,15 +105,17 @@ MCV_LOOP_FUNCTION mcv_sensor_ray mcv_guided_sensor_ray(mcv_world world, mcv_film
     const float r = mcv_disk(xi, pair.y, &cosine, &sine);
     const float x = film.x - 0.5f;
     const float y = film.y - 0.5f;
-    const float centre_x = mcv_fma(aim->shift[0], x, mcv_fma(aim->shift[1], y, aim->centre[0]));
-    const float centre_y = mcv_fma(aim->shift[2], x, mcv_fma(aim->shift[3], y, aim->centre[1]));
+    const float centre_x =
+        mcv_fma(guide->shift[0], x, mcv_fma(guide->shift[1], y, guide->centre[0]));
+    const float centre_y =
+        mcv_fma(guide->shift[2], x, mcv_fma(guide->shift[3], y, guide->centre[1]));
     float p_x = r * cosine;
     float p_y = r * sine;
     float inside = 1.0f;
     if (guided) {
         const float e_x = p_x;
-        p_x = mcv_fma(aim->spread[0], e_x, mcv_fma(aim->spread[1], p_y, centre_x));
-        p_y = mcv_fma(aim->spread[2], e_x, mcv_fma(aim->spread[3], p_y, centre_y));
+        p_x = mcv_fma(guide->spread[0], e_x, mcv_fma(guide->spread[1], p_y, centre_x));
+        p_y = mcv_fma(guide->spread[2], e_x, mcv_fma(guide->spread[3], p_y, centre_y));
     } else {
 #if MCV_SENSOR_light_field
         p_x = mcv_fma(2.0f, xi, -1.0f);
@@ -122,14 +124,14 @@ MCV_LOOP_FUNCTION mcv_sensor_ray mcv_guided_sensor_ray(mcv_world world, mcv_film
         /* |spread⁻¹ (p - centre)| */
         const float d_x = p_x - centre_x;
         const float d_y = p_y - centre_y;
-        const float e_x =
-            mcv_difference_of_products(aim->spread[3], d_x, aim->spread[1], d_y) * aim->advantage;
-        const float e_y =
-            mcv_difference_of_products(aim->spread[0], d_y, aim->spread[2], d_x) * aim->advantage;
+        const float e_x = mcv_difference_of_products(guide->spread[3], d_x, guide->spread[1], d_y) *
+                          guide->advantage;
+        const float e_y = mcv_difference_of_products(guide->spread[0], d_y, guide->spread[2], d_x) *
+                          guide->advantage;
         inside = mcv_fma(e_x, e_x, e_y * e_y) <= 1.0f ? 1.0f : 0.0f;
     }
     sensor_ray = mcv_sensor_through(world.sensor, film, p_x, p_y);
-    const float advantage = aim->advantage * (MCV_PUPIL_AREA / MCV_PI);
+    const float advantage = guide->advantage * (MCV_PUPIL_AREA / MCV_PI);
     sensor_ray.weight = !guided || mcv_in_pupil(p_x, p_y)
                             ? sensor_ray.weight * 2.0f / mcv_fma(inside, advantage, 1.0f)
                             : 0.0f;

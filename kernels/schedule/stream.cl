@@ -52,7 +52,7 @@ MCV_FUNCTION void mcv_append(__global uint *queue, __global uint *length, uint p
     if (goes_on) queue[room[1] + place] = path;
 }
 
-#if MCV_WITH_AIM
+#if MCV_WITH_PUPIL_GUIDE
 /* One work-item per pixel. */
 __kernel __attribute__((reqd_work_group_size(MCV_STREAM_GROUP, 1, 1))) void
 aim_pupils(MCV_WORLD_PARAMETERS __global mcv_device_pupil_guide *out) {

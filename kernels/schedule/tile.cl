@@ -22,7 +22,7 @@
 
 #define MCV_SLICE_KERNEL __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void
 
-#if MCV_WITH_AIM
+#if MCV_WITH_PUPIL_GUIDE
 /* One work-item per slice of pixels. */
 MCV_SLICE_KERNEL
 aim_pupils(MCV_WORLD_PARAMETERS __global mcv_device_pupil_guide *out) {

@@ -33,7 +33,7 @@ MCV_LOOP_FUNCTION mcv_sensor_ray mcv_sample_sensor_ray(mcv_world world, mcv_iden
                   mcv_sensor_sample(world.sensor, film, aperture.x, aperture.y), moment.time);
     sensor_ray.weight *= moment.weight;
     *time = moment.time;
-#elif MCV_WITH_AIM
+#elif MCV_WITH_PUPIL_GUIDE
     sensor_ray = mcv_guided_sensor_ray(world, film, aperture);
 #else
     sensor_ray = mcv_sensor_sample(world.sensor, film, aperture.x, aperture.y);
