@@ -68,15 +68,14 @@ MCV_FUNCTION int mcv_needs_choice(__constant const mcv_frame *frame, uint depth)
 
 /* A pair of random numbers of the surface that a path has met, the depth-th one. The tile schedule
  * has drawn it there (mcv_draw_pairs), and keeps none of other depths. */
-MCV_LOOP_FUNCTION mcv_pair mcv_draw(mcv_slot slot, uint depth, uint pair) {
+MCV_LOOP_FUNCTION mcv_pair mcv_draw(mcv_slot slot, uint depth, uint use) {
 #if MCV_TILE
-    const mcv_pair drawn = {MCV_LOAD(slot, drawn, 2u * pair),
-                            MCV_LOAD(slot, drawn, 2u * pair + 1u)};
+    const mcv_pair drawn = {MCV_LOAD(slot, drawn, 2u * use), MCV_LOAD(slot, drawn, 2u * use + 1u)};
     (void)depth;
     return drawn;
 #else
     return mcv_sample_pair(MCV_WORD(slot, stream, 0), MCV_WORD(slot, sample, 0),
-                           MCV_SURFACE_PAIR(depth, pair));
+                           MCV_SURFACE_PAIR(depth, use));
 #endif
 }
 

@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * The random numbers of a path: pairs in [0, 1)², each named for its use, depending on (seed,
- * pixel, replicate, sample, pair) alone. Sobol' (default): dimensions 0 and 1 with the sample index
- * shuffled and the values scrambled per pair by hashed Owen scrambling (Burley, Practical
- * Hash-based Owen Scrambling, JCGT 2020; hash constants by Vegdahl 2021), so that the samples [0,
- * 2^m) of a pixel's replicate are a (0, m, 2)-net in every pair. MCV_SAMPLER_RANDOM: independent
- * numbers.
+ * pixel, replicate, sample, number of the pair) alone. Sobol' (default): dimensions 0 and 1 with
+ * the sample index shuffled and the values scrambled per pair by hashed Owen scrambling (Burley,
+ * Practical Hash-based Owen Scrambling, JCGT 2020; hash constants by Vegdahl 2021), so that the
+ * samples [0, 2^m) of a pixel's replicate are a (0, m, 2)-net in every pair. MCV_SAMPLER_RANDOM:
+ * independent numbers.
  */
 #ifndef MCVISI_KERNELS_SAMPLER_H
 #define MCVISI_KERNELS_SAMPLER_H
@@ -17,8 +17,8 @@ enum { MCV_PAIR_PIXEL, MCV_PAIR_APERTURE, MCV_PAIR_SURFACES };
 enum { MCV_PAIR_SCATTER, MCV_PAIR_EMITTER, MCV_PAIR_CHOICE, MCV_PAIR_STRIDE };
 #define MCV_PAIR_CHANNEL 0xffffffffu /* drawn once */
 #define MCV_PAIR_TIME 0xfffffffeu    /* of sensors that move */
-#define MCV_SURFACE_PAIR(depth, pair) \
-    ((uint)MCV_PAIR_SURFACES + (depth) * (uint)MCV_PAIR_STRIDE + (uint)(pair))
+#define MCV_SURFACE_PAIR(depth, use) \
+    ((uint)MCV_PAIR_SURFACES + (depth) * (uint)MCV_PAIR_STRIDE + (uint)(use))
 
 typedef struct mcv_pair {
     float x, y;
@@ -59,8 +59,8 @@ MCV_FUNCTION float mcv_unit_interval(uint bits) {
 }
 
 /* `stream` identifies pixel, replicate and the user's seed; `sample` counts within them. */
-MCV_LOOP_FUNCTION mcv_pair mcv_sample_pair(uint stream, uint sample, uint pair) {
-    const uint seed = mcv_hash_2(stream, pair);
+MCV_LOOP_FUNCTION mcv_pair mcv_sample_pair(uint stream, uint sample, uint number) {
+    const uint seed = mcv_hash_2(stream, number);
     mcv_pair result;
 #if MCV_SAMPLER_RANDOM
     const uint bits = mcv_hash_2(seed, sample);

@@ -14,14 +14,14 @@
 #if MCV_WITH_NEXT_EVENT
 #if MCV_WITH_EMISSION || (MCV_WITH_PLAIN && !MCV_WITH_REACH && !MCV_WITH_LIGHT_TREE)
 /* mcv_search_cdf for the chosen paths, by the numbers drawn for a pair. */
-MCV_BATCH void mcv_search_cdf_rows(__global const uint *cdf, uint count, mcv_slot slot, uint pair,
+MCV_BATCH void mcv_search_cdf_rows(__global const uint *cdf, uint count, mcv_slot slot, uint use,
                                    const uint *chosen, uint chosen_count, uint *found) {
     for (uint i = 0; i < chosen_count; ++i) found[i] = 0;
     for (uint digit = mcv_cdf_digit(count); digit > 0; digit /= 2) {
         MCV_VECTORIZE
         for (uint i = 0; i < chosen_count; ++i) {
             slot.index = chosen[i];
-            const mcv_pair drawn = mcv_draw(slot, 0, pair);
+            const mcv_pair drawn = mcv_draw(slot, 0, use);
             found[i] = mcv_cdf_step(cdf, count, found[i], digit, mcv_cdf_bits(drawn.x, drawn.y));
         }
     }

@@ -195,13 +195,13 @@ static void mcv_find_interactions(mcv_world world, uint *paths, const uint *clas
 }
 
 /* Draws one of the pairs of random numbers of the surfaces. */
-MCV_BATCH void mcv_draw_pairs(uint *paths, uint first, uint last, uint depth, uint pair) {
+MCV_BATCH void mcv_draw_pairs(uint *paths, uint first, uint last, uint depth, uint use) {
     MCV_VECTORIZE
     MCV_EACH_PATH (slot, paths, first, first + mcv_fill_lanes(last - first)) {
         const mcv_pair drawn = mcv_sample_pair(MCV_WORD(slot, stream, 0), MCV_WORD(slot, sample, 0),
-                                               MCV_SURFACE_PAIR(depth, pair));
-        MCV_STORE(slot, drawn, 2u * pair, drawn.x);
-        MCV_STORE(slot, drawn, 2u * pair + 1u, drawn.y);
+                                               MCV_SURFACE_PAIR(depth, use));
+        MCV_STORE(slot, drawn, 2u * use, drawn.x);
+        MCV_STORE(slot, drawn, 2u * use + 1u, drawn.y);
     }
 }
 

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Stage: sums the paths of a block (consecutive samples of one pixel and replicate, a power of two
- * of at most MCV_BLOCK) over a binary tree, as unevaluated pairs of floats: 48 bits without double
- * precision. The value of a path is the sum of its branches'. reads radiance, weight -> writes sums
+ * of at most MCV_BLOCK) over a binary tree, as unevaluated sums of two floats: 48 bits without
+ * double precision. The value of a path is the sum of its branches'. reads radiance, weight ->
+ * writes sums
  */
 #ifndef MCVISI_KERNELS_ACCUMULATE_FILM_H
 #define MCVISI_KERNELS_ACCUMULATE_FILM_H
@@ -11,13 +12,13 @@
 #include "schedule/vectorize.h"
 #include "world.h"
 
-typedef struct mcv_float_pair {
+typedef struct mcv_double_float {
     float high, low;
-} mcv_float_pair;
+} mcv_double_float;
 
 /* a + b with a relative error of a few 2^-48 (Knuth's two-sum; Dekker 1971). */
-MCV_FUNCTION mcv_float_pair mcv_add_pairs(mcv_float_pair a, mcv_float_pair b) {
-    mcv_float_pair sum;
+MCV_FUNCTION mcv_double_float mcv_add_double_floats(mcv_double_float a, mcv_double_float b) {
+    mcv_double_float sum;
     const float high = a.high + b.high;
     const float part = high - a.high;
     const float low = ((a.high - (high - part)) + (b.high - part)) + (a.low + b.low);
@@ -53,9 +54,9 @@ MCV_LOOP_FUNCTION void mcv_tree_sums(float *highs, float *lows, uint count, uint
         count /= 2u;
         MCV_VECTORIZE
         for (uint i = 0; i < count; ++i) {
-            const mcv_float_pair a = {highs[2u * i], lows[2u * i]};
-            const mcv_float_pair b = {highs[2u * i + 1u], lows[2u * i + 1u]};
-            const mcv_float_pair both = mcv_add_pairs(a, b);
+            const mcv_double_float a = {highs[2u * i], lows[2u * i]};
+            const mcv_double_float b = {highs[2u * i + 1u], lows[2u * i + 1u]};
+            const mcv_double_float both = mcv_add_double_floats(a, b);
             high_sums[i] = both.high;
             low_sums[i] = both.low;
         }

@@ -105,8 +105,8 @@ MCV_FUNCTION uint mcv_cut_light(mcv_color throughput) {
     return mcv_lost_energy(fmin(mcv_brightest(throughput), 1.0f));
 }
 
-MCV_FUNCTION mcv_pair mcv_light_pair(mcv_light_identity id, uint depth, uint pair) {
-    return mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(depth, pair));
+MCV_FUNCTION mcv_pair mcv_light_pair(mcv_light_identity id, uint depth, uint use) {
+    return mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(depth, use));
 }
 
 /* The light path of a camera path, if it has one. */

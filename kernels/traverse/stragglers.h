@@ -38,13 +38,13 @@ static inline float mcv_key_entry(uint key) { return as_float(~key & ~7u); }
     } while (0)
 
 MCV_LOOP_FUNCTION uint8 mcv_sort8(uint8 keys) {
-    const int8 odd = (int8)(0, -1, 0, -1, 0, -1, 0, -1), pair = (int8)(0, 0, -1, -1, 0, 0, -1, -1),
+    const int8 odd = (int8)(0, -1, 0, -1, 0, -1, 0, -1), bit_1 = (int8)(0, 0, -1, -1, 0, 0, -1, -1),
                upper = (int8)(0, 0, 0, 0, -1, -1, -1, -1);
     MCV_SORT_STEP(keys, s10325476, odd);
-    MCV_SORT_STEP(keys, s32107654, pair);
+    MCV_SORT_STEP(keys, s32107654, bit_1);
     MCV_SORT_STEP(keys, s10325476, odd);
     MCV_SORT_STEP(keys, s76543210, upper);
-    MCV_SORT_STEP(keys, s23016745, pair);
+    MCV_SORT_STEP(keys, s23016745, bit_1);
     MCV_SORT_STEP(keys, s10325476, odd);
     return keys;
 }
