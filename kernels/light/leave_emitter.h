@@ -44,15 +44,15 @@ typedef struct mcv_light_path {
     uint origin_surface;  /* the exact surface that it starts on (mcv_mark_origin_surface) */
     uint media;
     uint emitter, emitter_element; /* light/emitter_element.h */
-    uint path_class;               /* MCV_LIGHT_… */
+    uint light_flags;              /* MCV_LIGHT_FLAG_… */
     float length;                  /* so far [m] */
 } mcv_light_path;
 
 enum {
-    MCV_LIGHT_CARRIED = 1, /* has met a smooth or near-specular surface, */
-    MCV_LIGHT_OPEN = 2,    /* and no other one yet */
-    MCV_LIGHT_SPREAD = 4,  /* has met a scattering surface */
-    MCV_LIGHT_FOUND = 8    /* camera paths find it, too */
+    MCV_LIGHT_FLAG_CARRIED = 1, /* has met a smooth or near-specular surface, */
+    MCV_LIGHT_FLAG_OPEN = 2,    /* and no other one yet */
+    MCV_LIGHT_FLAG_SPREAD = 4,  /* has met a scattering surface */
+    MCV_LIGHT_FLAG_FOUND = 8    /* camera paths find it, too */
 };
 
 /* A path of an emitter, before it is known where it starts. */
@@ -66,7 +66,7 @@ MCV_LOOP_FUNCTION mcv_light_path mcv_make_light_path(mcv_world world, uint emitt
     path.emitter = emitter;
     path.emitter_element = mcv_first_emitter_element(world, emitter);
     path.etendue = 0.0f;
-    path.path_class = MCV_LIGHT_OPEN;
+    path.light_flags = MCV_LIGHT_FLAG_OPEN;
     path.length = 0.0f;
     return path;
 }
@@ -103,7 +103,7 @@ MCV_LOOP_FUNCTION void mcv_leave_point(mcv_world world, mcv_surface surface, mcv
         path->flux.c[i] = sends ? flux : 0.0f;
     }
     path->origin = mcv_offset_origin(surface.point, surface.error, surface.face, direction);
-    path->path_class |= path->etendue > 0.0f ? (uint)MCV_LIGHT_FOUND : 0u;
+    path->light_flags |= path->etendue > 0.0f ? (uint)MCV_LIGHT_FLAG_FOUND : 0u;
 }
 #endif
 

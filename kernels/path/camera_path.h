@@ -108,7 +108,7 @@
     X(light_etendue, MCV_LIGHT_ROWS)            /* one over the density of its start [m² sr] */ \
     X(light_emitter, MCV_LIGHT_ROWS)            /* where it has started */ \
     X(light_replicate, MCV_LIGHT_ROWS)          /* that it counts for */ \
-    X(light_class, MCV_LIGHT_ROWS)              /* MCV_LIGHT_… */ \
+    X(light_flags, MCV_LIGHT_ROWS)              /* MCV_LIGHT_FLAG_… */ \
     X(light_length, MCV_LIGHT_ROWS)             /* so far [m] */ \
     X(light_emitter_element, \
       MCV_LIGHT_ROWS *MCV_WITH_RECORDS) /* of the emitter (light/emitter_element.h) */

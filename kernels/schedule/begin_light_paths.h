@@ -27,7 +27,7 @@ MCV_LOOP_FUNCTION mcv_light_path mcv_load_light_path(mcv_slot slot) {
     path.media = mcv_path_media(slot);
     path.emitter = MCV_WORD(slot, light_emitter, 0);
     path.emitter_element = MCV_WITH_RECORDS ? MCV_WORD(slot, light_emitter_element, 0) : 0u;
-    path.path_class = MCV_WORD(slot, light_class, 0);
+    path.light_flags = MCV_WORD(slot, light_flags, 0);
     path.length = MCV_LOAD(slot, light_length, 0);
     return path;
 }
@@ -39,7 +39,7 @@ MCV_LOOP_FUNCTION void mcv_store_light_path(mcv_slot slot, mcv_light_path path) 
     MCV_STORE_COLOR(slot, throughput, path.throughput);
     if (MCV_WITH_SURFACES) MCV_WORD(slot, origin_surface, 0) = path.origin_surface;
     if (MCV_WITH_DIELECTRIC) MCV_WORD(slot, media, 0) = path.media;
-    MCV_WORD(slot, light_class, 0) = path.path_class;
+    MCV_WORD(slot, light_flags, 0) = path.light_flags;
     MCV_STORE(slot, light_etendue, 0, path.etendue);
     MCV_WORD(slot, light_emitter, 0) = path.emitter;
     if (MCV_WITH_RECORDS) MCV_WORD(slot, light_emitter_element, 0) = path.emitter_element;
@@ -63,7 +63,7 @@ MCV_LOOP_FUNCTION uint mcv_shade_light_path(mcv_world world, mcv_slot slot,
         mcv_continue_light_path(world, interaction, shading, on, depth, choice.y, &path);
     const int skipped = shading.kind == MCV_SHADING_GLOSSY ? unshaded : 0;
     mcv_continue_ray(world, slot, interaction, shading, on, path.throughput, skipped);
-    MCV_REPLACE_WORD(slot, light_class, 0, skipped, path.path_class);
+    MCV_REPLACE_WORD(slot, light_flags, 0, skipped, path.light_flags);
     return unshaded ? (uint)MCV_UNSHADED : (uint)goes_on;
 }
 

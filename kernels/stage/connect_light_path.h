@@ -50,8 +50,8 @@ MCV_LOOP_FUNCTION float mcv_within_range(__global const mcv_device_emitter *e, f
 
 /* Do camera paths alone bring the light of this surface? */
 MCV_LOOP_FUNCTION int mcv_is_left_to_camera(mcv_world world, mcv_interaction interaction,
-                                            uint path_class) {
-    return ((path_class & MCV_LIGHT_FOUND) != 0u) & !mcv_is_connectable(world, interaction);
+                                            uint light_flags) {
+    return ((light_flags & MCV_LIGHT_FLAG_FOUND) != 0u) & !mcv_is_connectable(world, interaction);
 }
 
 #if MCV_WITH_NEXT_EVENT
@@ -69,8 +69,8 @@ MCV_FUNCTION int mcv_connect_light_path(mcv_world world, mcv_interaction interac
                                         mcv_light_path path, mcv_pair pair,
                                         mcv_connection *connection) {
     mcv_sensor_ray sensor_ray;
-    if (!(path.path_class & MCV_LIGHT_CARRIED) ||
-        mcv_is_left_to_camera(world, interaction, path.path_class) ||
+    if (!(path.light_flags & MCV_LIGHT_FLAG_CARRIED) ||
+        mcv_is_left_to_camera(world, interaction, path.light_flags) ||
         !world.materials[world.instances[interaction.surface.instance].material].scattering_sides)
         return 0;
     const mcv_vec3 point = mcv_point_to_optical(world.frame, interaction.surface.point);
@@ -82,7 +82,7 @@ MCV_FUNCTION int mcv_connect_light_path(mcv_world world, mcv_interaction interac
     const mcv_vec3 out = mcv_scale(seen.direction, -1.0f);
     const mcv_response response = mcv_respond(world, interaction, path.media, out);
     const float d = mcv_sqrt(mcv_dot(sensor_ray.direction, sensor_ray.direction)),
-                share = path.path_class & MCV_LIGHT_SPREAD
+                share = path.light_flags & MCV_LIGHT_FLAG_SPREAD
                             ? 1.0f
                             : mcv_within_range(world.emitters + path.emitter, path.length);
     const mcv_color flux = mcv_dim(mcv_tint(path.flux, path.throughput), share);

@@ -58,18 +58,19 @@ static void mcv_enter_lens(mcv_world world, mcv_light_path path, float t, __glob
 MCV_LOOP_FUNCTION int mcv_continue_light_path(mcv_world world, const mcv_interaction *interaction,
                                               mcv_shading shading, mcv_scattering on, uint depth,
                                               float xi, mcv_light_path *path) {
-    const uint before = path->path_class;
-    const int carried = (before & MCV_LIGHT_CARRIED) != 0u, open = (before & MCV_LIGHT_OPEN) != 0u;
+    const uint before = path->light_flags;
+    const int carried = (before & MCV_LIGHT_FLAG_CARRIED) != 0u,
+              open = (before & MCV_LIGHT_FLAG_OPEN) != 0u;
     const int scatters = on.density > 0.0f,
               parts = scatters & !(open & mcv_is_near_specular(world, *interaction));
-    const int first = scatters & ((before & MCV_LIGHT_SPREAD) == 0u);
+    const int first = scatters & ((before & MCV_LIGHT_FLAG_SPREAD) == 0u);
     /* Next-event estimation covers light straight from the emitter; camera paths cover light on a
      * glossy surface. */
     const int ends =
         parts & (!carried | (open & mcv_is_left_to_camera(world, *interaction, before)));
     /* A camera path at the first surface finds the emitter by next-event estimation. */
     const uint after =
-        before | MCV_LIGHT_CARRIED | ((scatters & !carried) ? (uint)MCV_LIGHT_FOUND : 0u);
+        before | MCV_LIGHT_FLAG_CARRIED | ((scatters & !carried) ? (uint)MCV_LIGHT_FLAG_FOUND : 0u);
     mcv_color throughput = mcv_tint(path->throughput, on.factor);
     const mcv_roulette roulette =
         mcv_play_roulette(depth >= MCV_LIGHT_ROULETTE_DEPTH, mcv_brightest(throughput), 1.0f, xi);
@@ -77,8 +78,8 @@ MCV_LOOP_FUNCTION int mcv_continue_light_path(mcv_world world, const mcv_interac
     const float within = mcv_within_range(world.emitters + path->emitter, path->length);
     throughput = mcv_dim(mcv_dim(throughput, parts ? correction : 1.0f), first ? within : 1.0f);
     path->throughput = mcv_after_roulette(roulette, throughput);
-    path->path_class =
-        (parts ? before & ~(uint)MCV_LIGHT_OPEN : after) | (scatters ? (uint)MCV_LIGHT_SPREAD : 0u);
+    path->light_flags = (parts ? before & ~(uint)MCV_LIGHT_FLAG_OPEN : after) |
+                        (scatters ? (uint)MCV_LIGHT_FLAG_SPREAD : 0u);
     path->direction = on.direction;
     path->media = on.media;
     path->origin_surface =
@@ -92,7 +93,8 @@ MCV_FUNCTION int mcv_shade_any_light_hit(mcv_world world, mcv_interaction intera
                                          uint *unmatched, mcv_light_path *path) {
     mcv_scattering other;
     /* It would end there: mcv_continue_light_path. */
-    if (!(path->path_class & MCV_LIGHT_CARRIED) && mcv_is_connectable(world, interaction)) return 0;
+    if (!(path->light_flags & MCV_LIGHT_FLAG_CARRIED) && mcv_is_connectable(world, interaction))
+        return 0;
     const mcv_scattering on =
         mcv_scatter(world, interaction, path->media, pair, choice.x, 0, unmatched, &other);
     path->origin = mcv_onward_origin(interaction, on.direction);
@@ -126,7 +128,7 @@ MCV_FUNCTION void mcv_trace_light_path(mcv_world world, uint index, __global uin
 #if MCV_WITH_BEAMS
         const uint type = world.emitters[path.emitter].type;
         if ((type == MCV_EMITTER_COLLIMATED_BEAM || type == MCV_EMITTER_LASER) &&
-            !(path.path_class & MCV_LIGHT_SPREAD))
+            !(path.light_flags & MCV_LIGHT_FLAG_SPREAD))
             mcv_enter_lens(world, path, hit.t, splats, id.replicate, choice.x, counts);
 #endif
         if (hit.triangle == MCV_NONE) return;
