@@ -68,7 +68,7 @@ static bool bend(const mcv_scene *scene, const ref_surface *surface, const ref_h
     double texture[3];
     ref_texture_lookup(scene, material->texture, surface->texcoord, texture);
     const ref_interaction interaction = ref_make_interaction(surface, *direction);
-    vertex->event = MCV_EVENT_END;
+    vertex->event = MCV_EVENT_NON_SPECULAR;
     store(vertex->normal, interaction.normal);
     switch (material->type) {
     case MCV_MATERIAL_MIRROR:
@@ -110,7 +110,7 @@ static bool bend(const mcv_scene *scene, const ref_surface *surface, const ref_h
         break;
     }
     if (vertex->event == MCV_EVENT_REFLECT) *direction = ref_reflect(&interaction);
-    return vertex->event != MCV_EVENT_END;
+    return vertex->event != MCV_EVENT_NON_SPECULAR;
 }
 
 static mcv_result trace_ray(const ref_world *world, ref_media media, uint32_t ray, ref_vec origin,

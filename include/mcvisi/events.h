@@ -8,8 +8,8 @@
     X(REFRACT, "refract") \
     X(REFLECT, "reflect") \
     X(PASS, "pass") /* boundary without effect (same index on both sides), or a thin sheet */ \
-    X(END, \
-      "end") /* diffuse, absorbing or emitting surface: a trace ends there, a path may go on */ \
+    X(NON_SPECULAR, \
+      "end") /* diffuse, glossy, absorbing or emitting surface: a trace ends there */ \
     X(MISS, "miss")
 enum {
 #define MCV_X(NAME, word) MCV_EVENT_##NAME,

@@ -82,7 +82,8 @@ MCV_FUNCTION mcv_scattering mcv_scatter(mcv_world world, mcv_interaction interac
                                         mcv_scattering *other) {
     const mcv_device_instance instance = world.instances[interaction.surface.instance];
     const mcv_device_material material = world.materials[instance.material];
-    mcv_scattering scattering = mcv_scatter_into(interaction.direction, media, MCV_EVENT_END);
+    mcv_scattering scattering =
+        mcv_scatter_into(interaction.direction, media, MCV_EVENT_NON_SPECULAR);
     scattering.factor = mcv_grey(0.0f);
     *other = scattering;
     other->chance = 0.0f;

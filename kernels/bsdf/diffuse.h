@@ -10,7 +10,8 @@
 MCV_LOOP_FUNCTION mcv_scattering mcv_scatter_diffuse(mcv_interaction interaction,
                                                      mcv_color reflectance, uint media,
                                                      mcv_pair pair) {
-    mcv_scattering scattering = mcv_scatter_into(interaction.direction, media, MCV_EVENT_END);
+    mcv_scattering scattering =
+        mcv_scatter_into(interaction.direction, media, MCV_EVENT_NON_SPECULAR);
 #if MCV_TILE
     if (interaction.bounces) {
         scattering.direction = interaction.bounce;

@@ -38,7 +38,7 @@ MCV_LOOP_FUNCTION mcv_scattering mcv_scatter_into(mcv_vec3 direction, uint media
 
 /* Scatters into a direction that is chosen with the density of its response. */
 MCV_LOOP_FUNCTION mcv_scattering mcv_scatter_by(mcv_vec3 direction, mcv_response response) {
-    mcv_scattering scattering = mcv_scatter_into(direction, response.media, MCV_EVENT_END);
+    mcv_scattering scattering = mcv_scatter_into(direction, response.media, MCV_EVENT_NON_SPECULAR);
     const float scale = 1.0f / response.density;
     MCV_EACH_CHANNEL(c)
     scattering.factor.c[c] = response.density > 0.0f ? response.value.c[c] * scale : 0.0f;

@@ -84,7 +84,7 @@ static mcv_onward mcv_go_on_precisely(mcv_world world, const mcv_interaction *in
                                       mcv_scattering *on) {
     mcv_onward onward;
     onward.precise = 0;
-    if (!met->found || on->event == MCV_EVENT_END) return onward;
+    if (!met->found || on->event == MCV_EVENT_NON_SPECULAR) return onward;
     onward.ray.origin = met->point;
     onward.ray.direction = mcv_turn_precisely(world, interaction, met, d, media, on);
     const mcv_vec3 rounded = mcv_narrow(onward.ray.direction);

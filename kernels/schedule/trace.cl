@@ -135,7 +135,7 @@ static void mcv_pass_surface(mcv_world world, mcv_hit hit, mcv_traced *at) {
     at->origin_low = mcv_onward_low(&onward, onward.ray.origin, at->origin);
 #endif
     at->origin_surface = mcv_origin_surface_of(world, interaction, at->on.direction);
-    if (at->on.event == MCV_EVENT_END)
+    if (at->on.event == MCV_EVENT_NON_SPECULAR)
         at->on.direction = nothing;
     else
         at->transmittance *= at->on.chance * at->on.factor.c[0];
@@ -150,7 +150,8 @@ static uint mcv_trace_path(mcv_world world, mcv_slot slot, mcv_device_ray ray, u
 #endif
     for (uint count = 0;; ++count) {
         mcv_write_vertex(vertices + count, &at);
-        if (at.on.event == MCV_EVENT_END || at.on.event == MCV_EVENT_MISS || count + 1 == stride)
+        if (at.on.event == MCV_EVENT_NON_SPECULAR || at.on.event == MCV_EVENT_MISS ||
+            count + 1 == stride)
             return count + 1;
         const mcv_hit hit = mcv_trace_on(world, slot, &at);
         if (hit.triangle == MCV_NONE)

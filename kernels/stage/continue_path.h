@@ -17,7 +17,7 @@ static void mcv_leave_precisely(mcv_world world, mcv_slot slot, const mcv_intera
                            MCV_LOAD_3(slot, direction_low));
     mcv_precise_interaction met;
     met.found = 0;
-    if (on->event != MCV_EVENT_END)
+    if (on->event != MCV_EVENT_NON_SPECULAR)
         met = mcv_intersect_precisely(world, interaction, ray, low, MCV_LOAD(slot, hit, 0));
     const mcv_onward onward =
         mcv_go_on_precisely(world, interaction, &met, ray.direction, media, on);

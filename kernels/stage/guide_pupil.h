@@ -59,7 +59,7 @@ static mcv_arrival mcv_follow(mcv_world world, mcv_film_sample film, float p_x, 
         mcv_scattering other;
         const mcv_scattering on =
             mcv_scatter(world, interaction, media, always_refract, 1.0f, 0, &unmatched, &other);
-        if (on.event == MCV_EVENT_END) return arrival;
+        if (on.event == MCV_EVENT_NON_SPECULAR) return arrival;
         origin = mcv_onward_origin(interaction, on.direction);
         direction = on.direction;
         origin_surface = mcv_origin_surface_of(world, interaction, direction);

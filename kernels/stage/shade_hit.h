@@ -37,9 +37,9 @@ MCV_LOOP_FUNCTION mcv_shaded mcv_shade_hit(mcv_world world, mcv_slot slot,
                                mcv_may_split(slot), unmatched, &other, &unshaded);
     if (MCV_WITH_SPLIT &&
         (shading.kind == MCV_SHADING_ANY ? other.chance > 0.0f : shading.may_split)) {
-        shaded.split =
-            mcv_split_path(slot, shaded.on.event == MCV_EVENT_END ? shaded.on.remainder : pair.x,
-                           shaded.throughput, shaded.on, other);
+        shaded.split = mcv_split_path(
+            slot, shaded.on.event == MCV_EVENT_NON_SPECULAR ? shaded.on.remainder : pair.x,
+            shaded.throughput, shaded.on, other);
         shaded.on = shaded.split.on;
         MCV_WORD(slot, branch_number, 0) += (uint)shaded.split.splits;
         shaded.fate = shaded.split.branch_lives ? MCV_SPLITS : 0u;

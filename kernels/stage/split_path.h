@@ -76,7 +76,7 @@ MCV_LOOP_FUNCTION mcv_split mcv_load_split(mcv_slot slot) {
     split.other.direction = MCV_LOAD_3(slot, branch_state);
     split.other.media = MCV_WORD(slot, branch_state, 3);
     split.other.density = MCV_LOAD(slot, branch_state, 4);
-    split.other.event = MCV_EVENT_END;
+    split.other.event = MCV_EVENT_NON_SPECULAR;
     MCV_EACH_CHANNEL(c) split.carried.c[c] = MCV_LOAD(slot, branch_state, 5 + c);
     return split;
 }

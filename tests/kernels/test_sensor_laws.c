@@ -81,7 +81,7 @@ static void check_telecentric_magnification(bool reference) {
         double image[RAYS], object[RAYS];
         for (int i = 0; i < RAYS; ++i) {
             const mcv_vertex *hit = vertices + 2 * i + 1;
-            assert_true(hit->ray == (uint32_t)i && hit->event == MCV_EVENT_END);
+            assert_true(hit->ray == (uint32_t)i && hit->event == MCV_EVENT_NON_SPECULAR);
             image[i] = (i + 0.5) * width / RAYS;
             object[i] = 0;
             for (int k = 0; k < 3; ++k)
