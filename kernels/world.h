@@ -125,7 +125,7 @@ MCV_FUNCTION float mcv_average(mcv_color a) {
 
 /* How a scattering surface responds to light from a direction. */
 typedef struct mcv_response {
-    mcv_color value; /* f cosθ [1/sr]: the share that goes on towards the ray, of L/n² */
+    mcv_color f_cos; /* f cosθ [1/sr]: the share that goes on towards the ray, of L/n² */
     float density;   /* with which mcv_scatter chooses the direction [1/sr] */
     uint media;      /* the light is in */
 } mcv_response;

@@ -156,7 +156,7 @@ mcv_result mcv_pack_glossy(const mcv_scene *scene, const mcv_packed *earlier, mc
         memcpy(multiple.k, from->as.conductor.k, sizeof multiple.k);
         if (tabulated) MCV_TRY(find_table(earlier, packed, multiple, &to->multiple, error));
         for (int k = 0; k < 3; ++k)
-            packed->materials[i].value[k] = (float)left_by_facets(
+            packed->materials[i].color[k] = (float)left_by_facets(
                 mcv_conductor_mean(from->as.conductor.n[k], from->as.conductor.k[k]),
                 packed->albedos[to->table]);
     }

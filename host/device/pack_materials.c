@@ -73,7 +73,7 @@ mcv_device_material mcv_pack_material(const mcv_material *material) {
     default:
         break;
     }
-    for (int k = 0; value && k < 3; ++k) out.value[k] = (float)value[k];
+    for (int k = 0; value && k < 3; ++k) out.color[k] = (float)value[k];
     if (mcv_material_is_rough(material))
         out.scattering_sides = material->type == MCV_MATERIAL_CONDUCTOR ? 1 : 2;
     const double roughness = mcv_material_roughness(material).roughness;

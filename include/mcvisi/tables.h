@@ -118,7 +118,7 @@ enum {
 typedef struct mcv_device_material {
     uint type;      /* MCV_MATERIAL_… */
     uint texture;   /* or MCV_NONE */
-    float value[3]; /* reflectance, transmittance or base colour; rough conductor: share left after
+    float color[3]; /* reflectance, transmittance or base colour; rough conductor: share left after
                        reflection between microfacets */
     uint scattering_sides; /* number of sides on which scattered light leaves; emitters are sampled
                               from here. 0: smooth or black */

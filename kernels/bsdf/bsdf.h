@@ -18,7 +18,7 @@ MCV_FUNCTION mcv_response mcv_respond(mcv_world world, mcv_interaction interacti
     const uint material = world.instances[interaction.surface.instance].material,
                type = world.materials[material].type;
     mcv_response response;
-    response.value = mcv_grey(0.0f);
+    response.f_cos = mcv_grey(0.0f);
     response.density = 0.0f;
     response.media = media;
     (void)direction, (void)type;
@@ -28,7 +28,7 @@ MCV_FUNCTION mcv_response mcv_respond(mcv_world world, mcv_interaction interacti
 #elif MCV_WITH_DIFFUSE
     if (type == MCV_MATERIAL_DIFFUSE)
         return mcv_respond_diffuse(&interaction,
-                                   mcv_material_value(world, interaction.surface, material), media,
+                                   mcv_material_color(world, interaction.surface, material), media,
                                    direction);
 #endif
 #if MCV_WITH_GLOSSY
@@ -118,7 +118,7 @@ MCV_FUNCTION mcv_scattering mcv_scatter(mcv_world world, mcv_interaction interac
 #elif MCV_WITH_DIFFUSE
     case MCV_MATERIAL_DIFFUSE:
         return mcv_scatter_diffuse(
-            interaction, mcv_material_value(world, interaction.surface, instance.material), media,
+            interaction, mcv_material_color(world, interaction.surface, instance.material), media,
             pair);
 #endif
 #if MCV_WITH_SHEET
@@ -131,7 +131,7 @@ MCV_FUNCTION mcv_scattering mcv_scatter(mcv_world world, mcv_interaction interac
 #if MCV_WITH_MIRROR
     case MCV_MATERIAL_MIRROR:
         scattering = mcv_scatter_mirrored(interaction, media);
-        scattering.factor = mcv_material_value(world, interaction.surface, instance.material);
+        scattering.factor = mcv_material_color(world, interaction.surface, instance.material);
         return scattering;
 #endif
     default:

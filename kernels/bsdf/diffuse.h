@@ -33,7 +33,7 @@ MCV_LOOP_FUNCTION mcv_response mcv_respond_diffuse(const mcv_interaction *intera
     const float cosine = mcv_dot(direction, interaction->normal);
     const int comes = (cosine > 0.0f) & (mcv_dot(direction, interaction->face) > 0.0f);
     response.density = comes ? mcv_diffuse_density(cosine) : 0.0f;
-    response.value = mcv_dim(reflectance, response.density);
+    response.f_cos = mcv_dim(reflectance, response.density);
     response.media = media;
     return response;
 }
@@ -53,7 +53,7 @@ static mcv_scattering mcv_scatter_translucent(mcv_world world, mcv_interaction i
 #endif
     }
     const mcv_color share = through ? mcv_material_passed(world, interaction.surface, material)
-                                    : mcv_material_value(world, interaction.surface, material);
+                                    : mcv_material_color(world, interaction.surface, material);
     const float own = through ? 1.0f - chance : chance;
     mcv_scattering scattering =
         mcv_scatter_diffuse(interaction, mcv_dim(share, 1.0f / own), media, pair);
@@ -68,14 +68,14 @@ MCV_FUNCTION mcv_response mcv_respond_translucent(mcv_world world, mcv_interacti
     mcv_response response;
     if (cosine < 0.0f && mcv_dot(direction, interaction.face) < 0.0f) {
         response.density = mcv_diffuse_density(-cosine);
-        response.value =
+        response.f_cos =
             mcv_dim(mcv_material_passed(world, interaction.surface, material), response.density);
         response.density *= 1.0f - chance;
         response.media = media;
         return response;
     }
     response = mcv_respond_diffuse(
-        &interaction, mcv_material_value(world, interaction.surface, material), media, direction);
+        &interaction, mcv_material_color(world, interaction.surface, material), media, direction);
     response.density *= chance;
     return response;
 }

@@ -106,7 +106,7 @@ static mcv_glossy_interaction mcv_make_glossy_interaction(mcv_world world,
     if (from.texture != MCV_NONE) polish = mcv_polish_at(world, interaction->surface, from.texture);
 #endif
     return mcv_make_glossy_interaction_of(world, interaction, &from, world.materials[material].type,
-                                          mcv_material_value(world, interaction->surface, material),
+                                          mcv_material_color(world, interaction->surface, material),
                                           polish, media);
 }
 
@@ -139,7 +139,7 @@ MCV_LOOP_FUNCTION mcv_response mcv_respond_glossy_of(mcv_world world,
     const int comes = far ? side < 0.0f : side > 0.0f;
     mcv_response response =
         mcv_microfacet_respond(from, &m->microfacets, world.albedos, &m->lobes, m->o, i);
-    MCV_EACH_CHANNEL(c) response.value.c[c] = comes ? response.value.c[c] : 0.0f;
+    MCV_EACH_CHANNEL(c) response.f_cos.c[c] = comes ? response.f_cos.c[c] : 0.0f;
     response.density = comes ? response.density : 0.0f;
     response.media = far ? m->far_media : m->near_media;
     return response;

@@ -69,8 +69,8 @@ MCV_LOOP_FUNCTION mcv_response mcv_add_cosine_lobes(const mcv_device_glossy *m,
         const float a = far ? lobes->far_a.c[k] : lobes->near_a.c[k];
         const float b = far ? lobes->far_b.c[k] : lobes->near_b.c[k];
         const float value =
-            mcv_fma(diffuse, mcv_fma(a, weights.a, b * weights.b), response.value.c[k]);
-        response.value.c[k] = sees ? value : 0.0f;
+            mcv_fma(diffuse, mcv_fma(a, weights.a, b * weights.b), response.f_cos.c[k]);
+        response.f_cos.c[k] = sees ? value : 0.0f;
     }
     const float density =
         mcv_fma(far ? lobes->far_chance : lobes->near_chance, diffuse, response.density);
@@ -114,11 +114,11 @@ MCV_LOOP_FUNCTION mcv_response mcv_microfacet_respond(const mcv_device_glossy *m
     if (refracts) seen = facets * mcv_opposite_masking(lobes->lambda, lambda);
 #endif
     MCV_EACH_CHANNEL(k)
-    response.value.c[k] = meets ? (far ? passed.c[k] : reflected.c[k]) * seen : 0.0f;
+    response.f_cos.c[k] = meets ? (far ? passed.c[k] : reflected.c[k]) * seen : 0.0f;
 #if MCV_WITH_DIELECTRIC
     if (refracts) {
         const float wide = 1.0f / (o.z * (1.0f + lobes->lambda) * (1.0f + lambda));
-        MCV_EACH_CHANNEL(k) response.value.c[k] = mcv_fma(multiple.c[k], wide, response.value.c[k]);
+        MCV_EACH_CHANNEL(k) response.f_cos.c[k] = mcv_fma(multiple.c[k], wide, response.f_cos.c[k]);
     }
 #endif
     response.density =

@@ -22,7 +22,7 @@ static mcv_retroreflection mcv_retroreflection_at(__global const mcv_device_mate
     if (!(back.cosine > 0.0f)) return back;
     back.efficiency = mcv_retroreflector_efficiency(m->as.retroreflector.fall, back.cosine);
     MCV_EACH_CHANNEL(i) {
-        most = m->value[i] > most ? m->value[i] : most;
+        most = m->color[i] > most ? m->color[i] : most;
         diffuse = m->passed[i] > diffuse ? m->passed[i] : diffuse;
     }
     most *= back.efficiency;
@@ -36,7 +36,7 @@ static mcv_response mcv_retroreflector_respond(__global const mcv_device_materia
     mcv_response response;
     const mcv_retroreflection back = mcv_retroreflection_at(m, n, o);
     const float cosine = mcv_dot(i, n);
-    response.value = mcv_grey(0.0f);
+    response.f_cos = mcv_grey(0.0f);
     response.density = 0.0f;
     response.media = 0;
     if (!(cosine > 0.0f) || !(back.cosine > 0.0f)) return response;
@@ -48,7 +48,7 @@ static mcv_response mcv_retroreflector_respond(__global const mcv_device_materia
         back.efficiency * mcv_retroreflector_efficiency(m->as.retroreflector.fall, cosine));
     const float returned = lobe * efficiency * (cosine < back.cosine ? cosine / back.cosine : 1.0f);
     MCV_EACH_CHANNEL(k)
-    response.value.c[k] = mcv_fma(m->value[k], returned, m->passed[k] * diffuse);
+    response.f_cos.c[k] = mcv_fma(m->color[k], returned, m->passed[k] * diffuse);
     response.density = mcv_fma(back.chance, lobe, (1.0f - back.chance) * diffuse);
     return response;
 }
@@ -70,7 +70,7 @@ MCV_FUNCTION mcv_response mcv_respond_retroreflector(mcv_world world, mcv_intera
         mcv_retroreflector_respond(world.materials + material, interaction.normal,
                                    mcv_scale(interaction.direction, -1.0f), direction);
     if (!(mcv_dot(direction, interaction.face) > 0.0f)) {
-        response.value = mcv_grey(0.0f);
+        response.f_cos = mcv_grey(0.0f);
         response.density = 0.0f;
     }
     response.media = media;
@@ -86,7 +86,7 @@ MCV_FUNCTION mcv_scattering mcv_scatter_retroreflector(mcv_world world, mcv_inte
     const int returns = back.chance > 0.0f && choice >= 1.0f - back.chance;
     if (returns && from->as.retroreflector.spread == 0.0f) {
         mcv_scattering scattering = mcv_scatter_into(o, media, MCV_EVENT_REFLECT);
-        MCV_EACH_CHANNEL(i) scattering.factor.c[i] = from->value[i] * back.efficiency / back.chance;
+        MCV_EACH_CHANNEL(i) scattering.factor.c[i] = from->color[i] * back.efficiency / back.chance;
         scattering.chance = back.chance;
         return scattering;
     }

@@ -41,7 +41,7 @@ MCV_LOOP_FUNCTION mcv_scattering mcv_scatter_by(mcv_vec3 direction, mcv_response
     mcv_scattering scattering = mcv_scatter_into(direction, response.media, MCV_EVENT_NON_SPECULAR);
     const float scale = 1.0f / response.density;
     MCV_EACH_CHANNEL(c)
-    scattering.factor.c[c] = response.density > 0.0f ? response.value.c[c] * scale : 0.0f;
+    scattering.factor.c[c] = response.density > 0.0f ? response.f_cos.c[c] * scale : 0.0f;
     scattering.density = response.density;
     return scattering;
 }

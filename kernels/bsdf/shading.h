@@ -77,7 +77,7 @@ MCV_LOOP_FUNCTION mcv_glossy_interaction mcv_make_plain_glossy_interaction(
     uint media) {
     mcv_color base;
     mcv_polish polish = {1.0f, 1.0f};
-    MCV_EACH_CHANNEL(c) base.c[c] = world.materials[shading.material].value[c];
+    MCV_EACH_CHANNEL(c) base.c[c] = world.materials[shading.material].color[c];
     if (MCV_WITH_TEXTURE) {
         MCV_LOAD_COLOR(slot, reflectance, base);
         polish.scale = MCV_LOAD(slot, polish, 0);

@@ -37,7 +37,7 @@ static mcv_scattering mcv_scatter_sheet(mcv_world world, mcv_interaction interac
     const float cosine = c1 < 1.0f ? c1 : 1.0f;
     reflected.chance = mcv_sheet_reflectance(into, cosine);
     passed.chance = 1.0f - reflected.chance;
-    passed.factor = mcv_material_value(world, interaction.surface, material);
+    passed.factor = mcv_material_color(world, interaction.surface, material);
     return mcv_choose_way(reflected, passed, mcv_plate_reflects(reflected.chance, xi), other);
 }
 
@@ -51,7 +51,7 @@ static mcv_scattering mcv_scatter_beam_splitter(mcv_world world, mcv_interaction
     passed.chance = 1.0f - m->chance;
     MCV_EACH_CHANNEL(i) {
         /* A way without a chance carries no light. */
-        reflected.factor.c[i] = reflected.chance > 0.0f ? m->value[i] / reflected.chance : 0.0f;
+        reflected.factor.c[i] = reflected.chance > 0.0f ? m->color[i] / reflected.chance : 0.0f;
         passed.factor.c[i] = passed.chance > 0.0f ? m->passed[i] / passed.chance : 0.0f;
     }
     return mcv_choose_way(reflected, passed, mcv_plate_reflects(m->chance, xi), other);

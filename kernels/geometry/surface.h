@@ -182,11 +182,11 @@ MCV_LOOP_FUNCTION mcv_vec3 mcv_tangent(mcv_world world, mcv_surface surface, con
 }
 
 /* Reflectance or transmittance, texture included. */
-MCV_LOOP_FUNCTION mcv_color mcv_material_value(mcv_world world, mcv_surface surface,
+MCV_LOOP_FUNCTION mcv_color mcv_material_color(mcv_world world, mcv_surface surface,
                                                uint material) {
-    mcv_color value;
-    MCV_EACH_CHANNEL(i) value.c[i] = world.materials[material].value[i];
-    return mcv_textured(world, surface, world.materials[material].texture, value);
+    mcv_color color;
+    MCV_EACH_CHANNEL(i) color.c[i] = world.materials[material].color[i];
+    return mcv_textured(world, surface, world.materials[material].texture, color);
 }
 
 /* The transmittance of a translucent one, texture included. */

@@ -87,7 +87,7 @@ MCV_BATCH void mcv_find_contact_rows(mcv_world world, uint *paths, uint count) {
 MCV_LOOP_FUNCTION mcv_color mcv_reflectance_of(mcv_world world, uint instance) {
     mcv_color reflectance;
     MCV_EACH_CHANNEL(c)
-    reflectance.c[c] = world.materials[world.instances[instance].material].value[c];
+    reflectance.c[c] = world.materials[world.instances[instance].material].color[c];
     return reflectance;
 }
 

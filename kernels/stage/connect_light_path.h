@@ -61,7 +61,7 @@ typedef struct mcv_connection {
     uint origin_surface; /* on which it starts (mcv_mark_origin_surface), */
     uint media;          /* and what the light is in */
     mcv_film_point place;
-    mcv_color value; /* what it contributes, if nothing blocks it */
+    mcv_color contribution; /* what it contributes, if nothing blocks it */
 } mcv_connection;
 
 /* Connects what arrives at a scattering surface to a point of the lens. 0: it does not reach it. */
@@ -86,20 +86,22 @@ MCV_FUNCTION int mcv_connect_light_path(mcv_world world, mcv_interaction interac
                             ? 1.0f
                             : mcv_within_range(world.emitters + path.emitter, path.length);
     const mcv_color flux = mcv_dim(mcv_tint(path.flux, path.throughput), share);
-    mcv_color value =
-        mcv_dim(mcv_tint(flux, response.value),
+    mcv_color contribution =
+        mcv_dim(mcv_tint(flux, response.f_cos),
                 mcv_flux_correction(interaction, out) * importance * d / (point.z * point.z));
     if (path.etendue > 0.0f)
-        value = mcv_dim(value, mcv_light_share(world, path.etendue,
-                                               mcv_sensor_footprint(world.sensor, point.z)));
-    value = mcv_tint(value, mcv_medium_transmittance(world, response.media, point.z * d));
+        contribution =
+            mcv_dim(contribution, mcv_light_share(world, path.etendue,
+                                                  mcv_sensor_footprint(world.sensor, point.z)));
+    contribution =
+        mcv_tint(contribution, mcv_medium_transmittance(world, response.media, point.z * d));
     connection->origin = mcv_offset_origin(interaction.surface.point, interaction.surface.error,
                                            interaction.face, out);
     connection->end = seen.origin;
     connection->origin_surface = mcv_origin_surface_of(world, interaction, out);
     connection->media = response.media;
-    connection->value = value;
-    return mcv_brightest(response.value) > 0.0f;
+    connection->contribution = contribution;
+    return mcv_brightest(response.f_cos) > 0.0f;
 }
 
 /* The transmittance of a connection through at most so many plates; 0 where anything else blocks
@@ -153,7 +155,8 @@ MCV_FUNCTION void mcv_splat_light_path(mcv_world world, mcv_interaction interact
         mcv_connection_transmittance(world, connection, world.frame->depth - 1u - depth, counts);
     if (mcv_brightest(transmittance) > 0.0f)
         mcv_splat(world, splats, replicate, connection.place,
-                  mcv_tint(connection.value, transmittance), path.emitter_element, xi, counts);
+                  mcv_tint(connection.contribution, transmittance), path.emitter_element, xi,
+                  counts);
 }
 #endif
 #endif

@@ -195,7 +195,7 @@ MCV_LOOP_FUNCTION mcv_response mcv_respond_as(mcv_world world, mcv_slot slot,
         const int near_specular = (int)world.materials[shading.material].near_specular;
         const int dropped = (m.microfacets.table == MCV_NONE) |
                             mcv_leaves_to_light_paths(world, slot, some, near_specular);
-        MCV_EACH_CHANNEL(c) response.value.c[c] = dropped ? 0.0f : response.value.c[c];
+        MCV_EACH_CHANNEL(c) response.f_cos.c[c] = dropped ? 0.0f : response.f_cos.c[c];
         return response;
     }
 #endif
@@ -215,7 +215,7 @@ MCV_LOOP_FUNCTION int mcv_make_shadow_ray(mcv_world world, mcv_slot slot,
     if (shading.kind == MCV_SHADING_ANY && !(mcv_brightest(shadow.light) > 0.0f)) return 0;
     const mcv_response response =
         mcv_respond_as(world, slot, interaction, shading, mcv_normalize(shadow.direction));
-    mcv_color light = mcv_tint(mcv_tint(mcv_path_throughput(slot), response.value), shadow.light);
+    mcv_color light = mcv_tint(mcv_tint(mcv_path_throughput(slot), response.f_cos), shadow.light);
     light =
         mcv_dim(light, shadow.density > 0.0f ? mcv_power_heuristic(shadow.density, response.density)
                                              : 1.0f);
@@ -226,7 +226,7 @@ MCV_LOOP_FUNCTION int mcv_make_shadow_ray(mcv_world world, mcv_slot slot,
             shading.exact ? mcv_origin_surface_of(world, *interaction, shadow.direction) : MCV_NONE;
     MCV_STORE_COLOR(slot, shadow_light, light);
     const int comes = mcv_brightest(shadow.light) > 0.0f,
-              reflects = mcv_brightest(response.value) > 0.0f;
+              reflects = mcv_brightest(response.f_cos) > 0.0f;
     return comes & reflects;
 }
 

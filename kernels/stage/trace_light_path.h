@@ -45,9 +45,9 @@ static void mcv_enter_lens(mcv_world world, mcv_light_path path, float t, __glob
     const float importance =
         mcv_sensor_invert(world.sensor, sensor_ray, &place) * squared * squared;
     if (!(importance > 0.0f)) return;
-    mcv_color value = mcv_dim(mcv_tint(path.flux, path.throughput), importance);
-    value = mcv_tint(value, mcv_medium_transmittance(world, path.media, way));
-    mcv_splat(world, splats, replicate, place, value, path.emitter_element, xi, counts);
+    mcv_color contribution = mcv_dim(mcv_tint(path.flux, path.throughput), importance);
+    contribution = mcv_tint(contribution, mcv_medium_transmittance(world, path.media, way));
+    mcv_splat(world, splats, replicate, place, contribution, path.emitter_element, xi, counts);
 }
 #endif
 

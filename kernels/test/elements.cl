@@ -183,7 +183,7 @@ __kernel void evaluate_gloss(__global const mcv_glossy_case *surface, __global c
     const mcv_lobes lobes = mcv_microfacet_lobes(&material, &microfacets, albedos, o);
     const mcv_response response = mcv_microfacet_respond(&material, &microfacets, albedos, &lobes,
                                                          o, mcv_vec(in[3], in[4], in[5]));
-    results[2 * k] = response.value.c[0];
+    results[2 * k] = response.f_cos.c[0];
     results[2 * k + 1] = response.density;
 }
 
@@ -217,7 +217,7 @@ __kernel void evaluate_retroreflector(__global const mcv_device_material *materi
     const mcv_response response =
         mcv_retroreflector_respond(material, n, o, mcv_vec(in[3], in[4], in[5]));
     const mcv_retroreflection back = mcv_retroreflection_at(material, n, o);
-    results[4 * k] = response.value.c[0];
+    results[4 * k] = response.f_cos.c[0];
     results[4 * k + 1] = response.density;
     results[4 * k + 2] = back.efficiency;
     results[4 * k + 3] = back.chance;

@@ -125,7 +125,7 @@ static bench open_bench(const subject *s, bool inside, bool with_reference) {
         (element){.material = *gloss,
                   .type = s->type,
                   .alpha = {(float)(alpha + (1 - alpha) * gloss->anisotropy), (float)alpha},
-                  .base = packed.materials[0].value[0],
+                  .base = packed.materials[0].color[0],
                   .metallic = gloss->metallic,
                   .layer = s->scale > 0 ? (float)(scale * (gloss->roughnesses - 1)) : 0,
                   .inside = inside,

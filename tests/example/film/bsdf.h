@@ -19,13 +19,13 @@ MCV_FUNCTION mcv_response mcv_respond_diffusing_film(mcv_world world, mcv_intera
                 c_i = -mcv_dot(direction, interaction.normal);
     const int comes = (c_o > 0.0f) & (c_i > 0.0f) & (mcv_dot(direction, interaction.face) < 0.0f);
     mcv_response response;
-    response.value = mcv_grey(0.0f);
+    response.f_cos = mcv_grey(0.0f);
     response.density = 0.0f;
     response.media = media;
     if (!comes) return response;
     response.density = mcv_retroreflector_density(
         world.materials[material].as.diffusing_film.spread, interaction.direction, direction);
-    response.value = mcv_dim(mcv_material_value(world, interaction.surface, material),
+    response.f_cos = mcv_dim(mcv_material_color(world, interaction.surface, material),
                              response.density * (c_i < c_o ? c_i / c_o : 1.0f));
     return response;
 }

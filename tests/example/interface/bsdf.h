@@ -25,7 +25,7 @@ MCV_FUNCTION mcv_response mcv_respond_ground_glass(mcv_world world, mcv_interact
     response.density = agrees && crossing.between.delta != 0.0f
                            ? (beyond ? passed : 1.0f - passed) * mcv_abs(cosine) * (1.0f / MCV_PI)
                            : 0.0f;
-    response.value = mcv_grey(response.density);
+    response.f_cos = mcv_grey(response.density);
     response.media = beyond ? crossing.after : crossing.before;
     return response;
 }

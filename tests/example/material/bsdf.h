@@ -19,13 +19,13 @@ MCV_FUNCTION mcv_response mcv_respond_lunar_lambert(mcv_world world, mcv_interac
                 c_i = mcv_dot(direction, interaction.normal);
     const int comes = (c_o > 0.0f) & (c_i > 0.0f) & (mcv_dot(direction, interaction.face) > 0.0f);
     mcv_response response;
-    response.value = mcv_grey(0.0f);
+    response.f_cos = mcv_grey(0.0f);
     response.density = 0.0f;
     response.media = media;
     if (!comes) return response;
     response.density = c_i * (1.0f / MCV_PI);
-    response.value =
-        mcv_dim(mcv_material_value(world, interaction.surface, material),
+    response.f_cos =
+        mcv_dim(mcv_material_color(world, interaction.surface, material),
                 response.density * mcv_lunar_lambert_factor(
                                        world.materials[material].as.lunar_lambert.lunar, c_o, c_i));
     return response;
