@@ -36,7 +36,7 @@ static int bvh2_meet_triangle(__global const bvh2_triangle *triangle, const floa
     hit->t = t;
     hit->u = u;
     hit->v = v;
-    hit->triangle = triangle->number;
+    hit->primitive = triangle->number;
     return 1;
 }
 
@@ -107,5 +107,5 @@ bvh2_any(__global const bvh2_node *nodes, __global const bvh2_triangle *triangle
     const uint first = (uint)get_group_id(0) * slice;
     const uint last = min(first + slice, count);
     for (uint i = first; i < last; ++i)
-        found[i] = bvh2_traverse(nodes, triangles, rays + i, 1).triangle != MCV_NONE;
+        found[i] = bvh2_traverse(nodes, triangles, rays + i, 1).primitive != MCV_NONE;
 }

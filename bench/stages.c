@@ -115,8 +115,8 @@ static mcv_result replay_check(replay *r, const ray_list lists[RECORDED_KINDS], 
                 result = mcv_fail(
                     error, MCV_FAILED,
                     "ray %zu of path %u hits triangle %u at %a in the render, %u at %a by itself",
-                    i, lists[k].paths[i], lists[k].hits[i].triangle, (double)lists[k].hits[i].t,
-                    hits[i].triangle, (double)hits[i].t);
+                    i, lists[k].paths[i], lists[k].hits[i].primitive, (double)lists[k].hits[i].t,
+                    hits[i].primitive, (double)hits[i].t);
         }
         free(hits);
         MCV_TRY(result);

@@ -54,7 +54,7 @@ static mcv_result compare(const mesh_bench *m, int kind, int side, bool any, con
     const uint32_t count = m->rays->count;
     double different = 0;
     for (uint32_t i = 0; any && i < count; ++i)
-        different += (found[i] != (m->hits[i].triangle != MCV_NONE)) / (double)count;
+        different += (found[i] != (m->hits[i].primitive != MCV_NONE)) / (double)count;
     if (!any) different = share_that_differs(m->hits, hits, count);
     /* Ours must agree with each other; the others are not watertight or have other boxes. */
     if (different <= (side <= OURS_ALL ? 0 : 1e-3)) return MCV_OK;

@@ -79,8 +79,8 @@ mcv_result workload_load(int i, workload_mesh *made, mcv_error *error) {
 double share_that_differs(const mcv_hit *a, const mcv_hit *b, uint32_t count) {
     uint32_t different = 0;
     for (uint32_t i = 0; i < count; ++i) {
-        const bool same_miss = a[i].triangle == MCV_NONE && b[i].triangle == MCV_NONE;
-        different += !(same_miss || a[i].triangle == b[i].triangle ||
+        const bool same_miss = a[i].primitive == MCV_NONE && b[i].primitive == MCV_NONE;
+        different += !(same_miss || a[i].primitive == b[i].primitive ||
                        fabsf(a[i].t - b[i].t) < 1e-5f * fabsf(a[i].t));
     }
     return (double)different / count;

@@ -36,20 +36,20 @@ static place place_of(const mesh *m, const batch_ray *ray, mcv_hit hit, uint64_t
     place at = {.incoming = mcv_vec(ray->direction[0], ray->direction[1], ray->direction[2])};
     for (;;) {
         mcv_vec3 p[3];
-        if (hit.triangle == MCV_NONE) {
-            hit.triangle = (uint32_t)(random_bits(seed) % m->triangle_count);
+        if (hit.primitive == MCV_NONE) {
+            hit.primitive = (uint32_t)(random_bits(seed) % m->triangle_count);
             hit.u = 0.5f * (float)random_unit(seed);
             hit.v = 0.5f * (float)random_unit(seed);
         }
         for (int k = 0; k < 3; ++k) {
-            const float *q = m->positions + 3 * (size_t)m->indices[3 * (size_t)hit.triangle + k];
+            const float *q = m->positions + 3 * (size_t)m->indices[3 * (size_t)hit.primitive + k];
             p[k] = mcv_vec(q[0], q[1], q[2]);
         }
         at.normal = mcv_normalize(mcv_cross(mcv_sub(p[1], p[0]), mcv_sub(p[2], p[0])));
         at.point =
             mcv_along(mcv_along(mcv_scale(p[0], 1.0f - hit.u - hit.v), hit.u, p[1]), hit.v, p[2]);
         if (mcv_dot(at.normal, at.normal) > 0.5f) break;
-        hit.triangle = MCV_NONE;
+        hit.primitive = MCV_NONE;
     }
     if (mcv_dot(at.normal, at.incoming) > 0.0f) at.normal = mcv_scale(at.normal, -1.0f);
     return at;

@@ -117,7 +117,7 @@ static mcv_result trace_ray(const ref_world *world, ref_media media, uint32_t ra
                             ref_vec direction, vertices *all, mcv_error *error) {
     const mcv_scene *scene = world->scene;
     mcv_vertex vertex = {
-        .ray = ray, .triangle = MCV_NONE, .event = MCV_EVENT_START, .transmittance = 1};
+        .ray = ray, .primitive = MCV_NONE, .event = MCV_EVENT_START, .transmittance = 1};
     store(vertex.position, origin);
     store(vertex.direction, direction);
     vertex.ior = ref_media_ior(ref_media_filling(&media, scene), 0);
@@ -137,7 +137,7 @@ static mcv_result trace_ray(const ref_world *world, ref_media media, uint32_t ra
             skip = hits.numbers;
             origin = surface.position;
             vertex.distance = hit.distance;
-            vertex.triangle = surface.number;
+            vertex.primitive = surface.number;
             vertex.radiance = emitted[0] / squared;
             if (filling) vertex.transmittance *= exp(-filling->absorption[0] * hit.distance);
             store(vertex.position, origin);
@@ -145,7 +145,7 @@ static mcv_result trace_ray(const ref_world *world, ref_media media, uint32_t ra
         } else {
             goes_on = false;
             vertex.distance = INFINITY;
-            vertex.triangle = MCV_NONE;
+            vertex.primitive = MCV_NONE;
             vertex.event = MCV_EVENT_MISS;
             double sky[3];
             ref_environment(scene, &world->emitters, direction, sky);

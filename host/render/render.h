@@ -157,7 +157,7 @@ typedef struct mcv_vertex {
         normal[3]; /* interpolated, on the side the ray came from; 0 at the start and on a miss */
     double direction[3];  /* unit; direction of the path behind the vertex, 0 at its end */
     double distance;      /* from the previous vertex [m]; infinite on a miss */
-    uint32_t triangle;    /* global number, MCV_NONE at the start and on a miss */
+    uint32_t primitive;   /* global number, MCV_NONE at the start and on a miss */
     uint32_t event;       /* MCV_EVENT_… */
     double ior;           /* of the medium behind the vertex */
     double transmittance; /* product of transmittances of interfaces (reflectances after total

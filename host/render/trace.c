@@ -105,19 +105,20 @@ static mcv_result device_ray(const tracer *t, const mcv_scene *scene, const mcv_
 
 static mcv_vertex host_vertex(const mcv_packed *packed, const mcv_device_vertex *from, uint32_t ray,
                               uint32_t index) {
-    mcv_vertex to = {.ray = ray, .index = index, .triangle = from->triangle, .event = from->event};
+    mcv_vertex to = {
+        .ray = ray, .index = index, .primitive = from->primitive, .event = from->event};
     to.distance = from->distance + (double)from->distance_low;
-    if (to.triangle != MCV_NONE &&
-        to.triangle >= MCV_EXACT) /* 4 per solid there, 3 here, after the triangles */
-        to.triangle =
-            packed->triangle_count + 3 * mcv_solid_of(to.triangle) + mcv_piece_of(to.triangle);
+    if (to.primitive != MCV_NONE &&
+        to.primitive >= MCV_EXACT) /* 4 per solid there, 3 here, after the triangles */
+        to.primitive =
+            packed->triangle_count + 3 * mcv_solid_of(to.primitive) + mcv_piece_of(to.primitive);
     for (int k = 0; k < 3; ++k) {
         to.position[k] = from->position[k] + (double)from->position_low[k] + packed->centre[k];
         to.normal[k] = from->normal[k] + (double)from->normal_low[k];
         to.direction[k] = from->direction[k] + (double)from->direction_low[k];
     }
     to.ior = from->medium > 0
-                 ? sqrt(1 / (double)packed->media[0][from->medium].inverse_index_squared)
+                 ? sqrt(1 / (double)packed->medium_table[0][from->medium].inverse_index_squared)
                  : 1;
     to.transmittance = from->transmittance;
     to.radiance = from->radiance;

@@ -35,9 +35,9 @@ static void print_vertices(FILE *out, const mcv_scene *scene, const mcv_vertex *
         for (int k = 0; k < 3; ++k) fprintf(out, ",%.17g", v->direction[k]);
         fprintf(out, ",%.17g,%.17g,%.17g,%.17g,", v->distance, v->ior, v->transmittance,
                 v->radiance);
-        if (v->triangle != MCV_NONE) {
-            fprintf(out, "%u,", v->triangle);
-            print_name(out, scene->instances[mcv_scene_instance_of(scene, v->triangle)].name);
+        if (v->primitive != MCV_NONE) {
+            fprintf(out, "%u,", v->primitive);
+            print_name(out, scene->instances[mcv_scene_instance_of(scene, v->primitive)].name);
         } else {
             fputc(',', out);
         }

@@ -47,7 +47,8 @@ MCV_ASSERT_SIZE(mcv_leaf, 160);
  * 2. */
 typedef struct mcv_hit {
     float t, u, v;
-    uint triangle; /* MCV_NONE on a miss; then t is the ray's t_max and u = v = 0 */
+    uint primitive; /* a triangle, or a piece of a solid (mcv_is_exact); MCV_NONE on a miss; then t
+                       is the ray's t_max and u = v = 0 */
 } mcv_hit;
 MCV_ASSERT_SIZE(mcv_hit, 16);
 

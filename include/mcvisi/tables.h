@@ -310,7 +310,7 @@ MCV_ASSERT_SIZE(mcv_device_ray, 64);
 typedef struct mcv_device_vertex {
     float position[3], normal[3], direction[3];
     float distance;
-    uint triangle;
+    uint primitive;
     uint event;
     uint medium;
     float transmittance;

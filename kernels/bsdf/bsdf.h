@@ -81,7 +81,6 @@ MCV_FUNCTION mcv_scattering mcv_scatter(mcv_world world, mcv_interaction interac
                                         mcv_pair pair, float choice, int may_split, uint *unmatched,
                                         mcv_scattering *other) {
     const mcv_device_instance instance = world.instances[interaction.surface.instance];
-    const mcv_device_material material = world.materials[instance.material];
     mcv_scattering scattering =
         mcv_scatter_into(interaction.direction, media, MCV_EVENT_NON_SPECULAR);
     scattering.factor = mcv_grey(0.0f);
@@ -95,7 +94,7 @@ MCV_FUNCTION mcv_scattering mcv_scatter(mcv_world world, mcv_interaction interac
                                   may_split, other);
     }
 #endif
-    switch (material.type) {
+    switch (world.materials[instance.material].type) {
 #if MCV_WITH_GLOSSY && MCV_WITH_METAL
     case MCV_MATERIAL_CONDUCTOR:
         return mcv_scatter_conductor(world, interaction, instance.material, media);

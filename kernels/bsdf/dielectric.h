@@ -26,7 +26,7 @@ MCV_LOOP_FUNCTION mcv_crossing mcv_cross_surface(mcv_world world,
     entered |= interaction->entered;
 #endif
     /* The body in contact, on the other side. */
-    if (mcv_is_exact(interaction->surface.triangle) && interaction->surface.u > 0.0f) {
+    if (mcv_is_exact(interaction->surface.primitive) && interaction->surface.u > 0.0f) {
         const uint other =
             1u << (world.instances[world.solids[(uint)interaction->surface.u - 1u].instance[0]]
                        .medium -

@@ -24,7 +24,7 @@ MCV_FUNCTION float mcv_exact_rounding(mcv_vec3 at, float size) {
  * it starts on that surface.
  */
 MCV_FUNCTION void mcv_find_exact_contacts(mcv_world world, uint own, mcv_interaction *interaction) {
-    const uint met = interaction->surface.triangle;
+    const uint met = interaction->surface.primitive;
     const uint group = met >= MCV_EXACT ? world.solids[mcv_solid_of(met)].group : MCV_NONE;
     const mcv_vec3 at = interaction->surface.point;
     const mcv_vec3 e = interaction->surface.error;
@@ -107,7 +107,7 @@ static void mcv_find_contacts(mcv_world world, mcv_vec3 origin, mcv_hit hit,
     uint crossed = 1u << (own - 1u) | interaction->exited | interaction->entered;
     mcv_vec3 e = interaction->surface.error;
     const float rounding =
-        mcv_is_exact(hit.triangle) ? mcv_exact_rounding(interaction->surface.point, 0.0f) : 0.0f;
+        mcv_is_exact(hit.primitive) ? mcv_exact_rounding(interaction->surface.point, 0.0f) : 0.0f;
     if (MCV_WITH_SURFACES) e = mcv_larger(e, mcv_vec(rounding, rounding, rounding));
     if (!mcv_is_near_others(world, interaction->surface, own,
                             mcv_contact_band(interaction, e, hit.t)))
@@ -128,8 +128,8 @@ static void mcv_find_contacts(mcv_world world, mcv_vec3 origin, mcv_hit hit,
     for (int i = 0; i < (int)MCV_MAX_MEDIA; ++i) {
         const float band = mcv_contact_band(interaction, e, hit.t);
         hit = mcv_next_hit_ray(nodes, leaves, origin, direction, hit, hit.t + band);
-        if (hit.triangle == MCV_NONE) return;
-        const mcv_surface next = mcv_surface_at(world, hit.triangle, hit.u, hit.v);
+        if (hit.primitive == MCV_NONE) return;
+        const mcv_surface next = mcv_surface_at(world, hit.primitive, hit.u, hit.v);
         const uint medium = world.instances[next.instance].medium;
         if (medium == 0u) return;
         const uint bit = 1u << (medium - 1u);

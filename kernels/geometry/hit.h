@@ -52,9 +52,9 @@ MCV_LOOP_FUNCTION mcv_interaction mcv_surface_interaction(mcv_surface surface, m
 /* The surface that a ray from the origin has met. */
 MCV_LOOP_FUNCTION mcv_surface mcv_hit_surface(mcv_world world, mcv_vec3 origin, mcv_vec3 direction,
                                               mcv_hit hit) {
-    if (mcv_is_exact(hit.triangle))
-        return mcv_exact_surface_at(world, hit.triangle, hit.u, origin, direction, hit.t);
-    return mcv_surface_at(world, hit.triangle, hit.u, hit.v);
+    if (mcv_is_exact(hit.primitive))
+        return mcv_exact_surface_at(world, hit.primitive, hit.u, origin, direction, hit.t);
+    return mcv_surface_at(world, hit.primitive, hit.u, hit.v);
 }
 
 /* The origin of a ray that goes on from there. */
@@ -75,7 +75,7 @@ MCV_LOOP_FUNCTION uint mcv_origin_surface_of(mcv_world world, mcv_interaction in
     mcv_surface surface = interaction.surface;
 #if MCV_WITH_CONTACT
     const int touches = interaction.touched != MCV_NONE;
-    surface.triangle = touches ? interaction.touched : surface.triangle;
+    surface.primitive = touches ? interaction.touched : surface.primitive;
     surface.face = mcv_choose(touches, interaction.touched_face, surface.face);
 #endif
     return mcv_mark_origin_surface(world, surface, direction);

@@ -11,10 +11,10 @@
 /* mcv_disperse_at for a camera path, wherever it is; without dispersion the world as it is. */
 MCV_FUNCTION mcv_world mcv_disperse(mcv_world world, mcv_slot slot) {
 #if MCV_WITH_DISPERSION
-    const uint triangle = MCV_WORD(slot, hit, 3);
+    const uint primitive = MCV_WORD(slot, hit, 3);
     mcv_color throughput = mcv_path_throughput(slot);
-    if (triangle == MCV_NONE) return mcv_in_channel(world, mcv_kept_channel(throughput));
-    world = mcv_disperse_at(world, mcv_instance_of(world, triangle), MCV_WORD(slot, stream, 0),
+    if (primitive == MCV_NONE) return mcv_in_channel(world, mcv_kept_channel(throughput));
+    world = mcv_disperse_at(world, mcv_instance_of(world, primitive), MCV_WORD(slot, stream, 0),
                             MCV_WORD(slot, sample, 0), throughput, &throughput);
     MCV_STORE_COLOR(slot, throughput, throughput);
 #else
@@ -63,7 +63,7 @@ MCV_FUNCTION uint mcv_hit_instance(mcv_world world, mcv_slot slot) {
 }
 
 MCV_LOOP_FUNCTION mcv_interaction mcv_make_interaction(mcv_world world, mcv_slot slot) {
-    const uint triangle = MCV_WORD(slot, hit, 3);
+    const uint primitive = MCV_WORD(slot, hit, 3);
     const float u = MCV_LOAD(slot, hit, 1);
     const float v = MCV_LOAD(slot, hit, 2);
 #if MCV_TILE
@@ -79,11 +79,11 @@ MCV_LOOP_FUNCTION mcv_interaction mcv_make_interaction(mcv_world world, mcv_slot
     surface->normal = surface->face;
     if (MCV_WITH_NORMALS) surface->normal = MCV_LOAD_3(slot, own_normal);
     surface->area = MCV_LOAD(slot, area, 0);
-    surface->triangle = triangle;
-    if (mcv_is_exact(triangle))
+    surface->primitive = primitive;
+    if (mcv_is_exact(primitive))
         surface->corners.x = surface->corners.y = surface->corners.z = 0u;
     else
-        surface->corners = mcv_triangle_corners(world, triangle);
+        surface->corners = mcv_triangle_corners(world, primitive);
     surface->instance = surface->corners.w = MCV_WORD(slot, instance, 0);
     surface->u = u;
     surface->v = v;
@@ -106,7 +106,7 @@ MCV_LOOP_FUNCTION mcv_interaction mcv_make_interaction(mcv_world world, mcv_slot
 #endif
     return interaction;
 #else
-    const mcv_hit hit = {MCV_LOAD(slot, hit, 0), u, v, triangle};
+    const mcv_hit hit = {MCV_LOAD(slot, hit, 0), u, v, primitive};
     return mcv_hit_interaction(mcv_at_time(world, slot), MCV_LOAD_3(slot, origin),
                                MCV_LOAD_3(slot, direction), hit);
 #endif

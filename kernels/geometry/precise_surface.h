@@ -107,11 +107,11 @@ MCV_FUNCTION mcv_dvec mcv_out_of_frame_d(__global const double *m, mcv_dvec v) {
  * a few products of numbers up to `reach`.
  */
 #define MCV_NEWTON_STEPS 4
-MCV_FUNCTION mcv_precise_interaction mcv_intersect_solid_precisely(mcv_world world, uint triangle,
+MCV_FUNCTION mcv_precise_interaction mcv_intersect_solid_precisely(mcv_world world, uint primitive,
                                                                    mcv_precise_ray ray,
                                                                    double near) {
     mcv_precise_interaction met;
-    const uint number = mcv_solid_of(triangle), piece = mcv_piece_of(triangle);
+    const uint number = mcv_solid_of(primitive), piece = mcv_piece_of(primitive);
     __global const mcv_precise_solid *solid = world.precise_solids + number;
     const mcv_dvec origin = mcv_dvec_of(solid->origin[0], solid->origin[1], solid->origin[2]);
     const mcv_dvec from = mcv_into_frame_d(solid->axes, mcv_sub_d(ray.origin, origin));
@@ -138,8 +138,8 @@ static mcv_precise_interaction mcv_intersect_precisely(mcv_world world,
                                                        const mcv_interaction *interaction,
                                                        mcv_precise_ray ray, mcv_vec3 low, float t) {
     mcv_precise_interaction met;
-    if (mcv_is_exact(interaction->surface.triangle))
-        met = mcv_intersect_solid_precisely(world, interaction->surface.triangle, ray,
+    if (mcv_is_exact(interaction->surface.primitive))
+        met = mcv_intersect_solid_precisely(world, interaction->surface.primitive, ray,
                                             (double)t - mcv_dot_d(mcv_widen(low), ray.direction));
     else
         met = mcv_intersect_triangle_precisely(world, &interaction->surface, ray);

@@ -85,9 +85,9 @@ MCV_FUNCTION void mcv_take_exact_hit(mcv_world world, float t, uint number, uint
     if (t < hit->t) {
         hit->t = t;
         hit->u = hit->v = 0.0f;
-        hit->triangle = here;
-    } else if (t == hit->t && hit->triangle != MCV_NONE && hit->triangle >= MCV_EXACT &&
-               mcv_exact_surface(world, hit->triangle) == mcv_exact_surface(world, here)) {
+        hit->primitive = here;
+    } else if (t == hit->t && hit->primitive != MCV_NONE && hit->primitive >= MCV_EXACT &&
+               mcv_exact_surface(world, hit->primitive) == mcv_exact_surface(world, here)) {
         hit->u = (float)(number + 1u);
     }
 }
@@ -152,7 +152,7 @@ MCV_FUNCTION mcv_hit mcv_intersect_solids_along(mcv_world world, mcv_vec3 origin
     mcv_hit unit = hit;
     unit.t *= length;
     unit = mcv_intersect_solids(world, origin, mcv_scale(way, 1.0f / length), origin_surface, unit);
-    if (unit.triangle != hit.triangle) {
+    if (unit.primitive != hit.primitive) {
         hit = unit;
         hit.t /= length;
     }

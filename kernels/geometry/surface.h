@@ -18,7 +18,7 @@ typedef struct mcv_surface {
     mcv_vec3 face;         /* unit normal of the triangle, on the front side */
     mcv_vec3 normal;       /* interpolated, unit, on the front side */
     float area;            /* of the triangle [m²] */
-    uint triangle, instance;
+    uint primitive, instance;
     float u, v; /* place on the triangle; of an exact surface u is 1 + the number of the solid in
                    contact, or 0 */
     mcv_corners corners;
@@ -39,10 +39,10 @@ MCV_FUNCTION mcv_corners mcv_triangle_corners(mcv_world world, uint triangle) {
 }
 
 /* The instance that a hit is on. */
-MCV_FUNCTION uint mcv_instance_of(mcv_world world, uint triangle) {
-    if (mcv_is_exact(triangle))
-        return world.solids[mcv_solid_of(triangle)].instance[mcv_piece_of(triangle)];
-    return world.triangles[triangle].w;
+MCV_FUNCTION uint mcv_instance_of(mcv_world world, uint primitive) {
+    if (mcv_is_exact(primitive))
+        return world.solids[mcv_solid_of(primitive)].instance[mcv_piece_of(primitive)];
+    return world.triangles[primitive].w;
 }
 
 MCV_FUNCTION mcv_vec3 mcv_interpolate(mcv_vec3 a, mcv_vec3 b, mcv_vec3 c, float u, float v) {
@@ -83,7 +83,7 @@ MCV_LOOP_FUNCTION mcv_facet mcv_facet_of(mcv_world world, uint triangle) {
 /* The place (u, v) on it. */
 MCV_LOOP_FUNCTION mcv_surface mcv_surface_on(mcv_facet facet, float u, float v) {
     mcv_surface surface;
-    surface.triangle = facet.triangle;
+    surface.primitive = facet.triangle;
     surface.instance = facet.corners.w;
     surface.corners = facet.corners;
     surface.u = u;

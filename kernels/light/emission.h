@@ -176,7 +176,7 @@ MCV_LOOP_FUNCTION float mcv_density_towards(__global const mcv_device_emitter *e
 MCV_FUNCTION float mcv_emitter_density(mcv_world world, mcv_vec3 receiver, mcv_surface surface,
                                        uint emitter, mcv_vec3 direction, float distance) {
     __global const mcv_device_emitter *e = world.emitters + emitter;
-    const float share = mcv_triangle_share(world, e, surface.triangle);
+    const float share = mcv_triangle_share(world, e, surface.primitive);
     return mcv_density_towards(e, mcv_is_rectangle(e), share, receiver, surface, direction,
                                distance);
 }

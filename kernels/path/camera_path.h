@@ -62,7 +62,7 @@
     X(footprint, MCV_WITH_LIGHT_TRACING)  /* of the pixel at the first diffuse surface [m²] */
 
 #define MCV_HIT_FIELDS(X) \
-    X(hit, 4)                              /* t, u, v, triangle */ \
+    X(hit, 4)                              /* t, u, v, primitive */ \
     X(drawn, 6 * MCV_TILE)                 /* the surface's pairs of random numbers */ \
     X(reflectance, MCV_CHANNELS *MCV_TILE) /* of a diffuse surface; base colour of a glossy one */ \
     X(polish, 2 * MCV_TILE * MCV_WITH_GLOSSY * MCV_WITH_TEXTURE) /* roughness, metallic share */ \
@@ -94,10 +94,9 @@
     X(shadow_density, MCV_TILE *MCV_WITH_NEXT_EVENT)   /* as in mcv_shadow */ \
     X(shadow_media, MCV_WITH_NEXT_EVENT *MCV_CROSSES)  /* that it leaves the surface in */ \
     X(shadow_light, MCV_WITH_NEXT_EVENT *MCV_CHANNELS) /* what it brings; 0: no ray */ \
-    X(shadow_emitter_element, \
-      MCV_WITH_NEXT_EVENT *MCV_WITH_RECORDS) /* from which (light/emitter_element.h) */ \
-    X(shadow_target, MCV_WITH_NEXT_EVENT)    /* instance that must be met first; MCV_NONE: nothing \
-                                                before t = 1; MCV_SKY: nothing at all */
+    X(shadow_emitter_element, MCV_WITH_NEXT_EVENT *MCV_WITH_RECORDS) /* from which */ \
+    X(shadow_target, MCV_WITH_NEXT_EVENT) /* instance that must be met first; MCV_NONE: nothing \
+                                             before t = 1; MCV_SKY: nothing at all */
 
 #define MCV_PATH_FIELDS(X) \
     MCV_RAY_FIELDS(X) MCV_CAMERA_FIELDS(X) MCV_HIT_FIELDS(X) MCV_CAMERA_HIT_FIELDS(X)
@@ -110,8 +109,7 @@
     X(light_replicate, MCV_LIGHT_ROWS)          /* that it counts for */ \
     X(light_flags, MCV_LIGHT_ROWS)              /* MCV_LIGHT_FLAG_… */ \
     X(light_length, MCV_LIGHT_ROWS)             /* so far [m] */ \
-    X(light_emitter_element, \
-      MCV_LIGHT_ROWS *MCV_WITH_RECORDS) /* of the emitter (light/emitter_element.h) */
+    X(light_emitter_element, MCV_LIGHT_ROWS *MCV_WITH_RECORDS) /* that sends it */
 
 /* Whether light paths lie in rows. Where beams come to the lens by themselves or colours part, they
  * are traced one by one. */

@@ -100,7 +100,7 @@ MCV_LOOP_FUNCTION void mcv_sample_point_row(mcv_world world, mcv_slot slot, uint
         mcv_put_shadow(world, slot, at, emitter, shadow);
 #if MCV_WITH_TEXTURE
         /* For mcv_light_points. */
-        MCV_WORD(slot, place, 0) = there.triangle;
+        MCV_WORD(slot, place, 0) = there.primitive;
         MCV_STORE(slot, place, 1, there.u);
         MCV_STORE(slot, place, 2, there.v);
         MCV_STORE(slot, place, 3, shadow.density);

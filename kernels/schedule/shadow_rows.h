@@ -29,25 +29,25 @@ MCV_BATCH void mcv_shadows_past_solids(mcv_world world, const uint *paths, uint 
         const float length = mcv_sqrt(mcv_dot(way, way));
         const mcv_vec3 unit = mcv_scale(way, 1.0f / length);
         const float end = as_float(hits.t[first + i]);
-        const uint triangle = hits.triangle[first + i];
+        const uint primitive = hits.primitive[first + i];
         rows[i] = as_uint(unit.x);
         rows[MCV_ROW + i] = as_uint(unit.y);
         rows[2 * MCV_ROW + i] = as_uint(unit.z);
         rows[3 * MCV_ROW + i] = end > -INFINITY ? origin_surfaces[i] : MCV_NONE;
         lengths[i] = length;
-        exact.t[i] = as_uint((any & (triangle != MCV_NONE)) ? -INFINITY : end * length);
+        exact.t[i] = as_uint((any & (primitive != MCV_NONE)) ? -INFINITY : end * length);
         exact.u[i] = hits.u[first + i];
         exact.v[i] = hits.v[first + i];
-        exact.triangle[i] = triangle;
+        exact.primitive[i] = primitive;
     }
     mcv_intersect_solid_rows(world, rays, count, exact);
     MCV_VECTORIZE
     for (uint i = 0; i < mcv_fill_lanes(count); ++i) {
-        const int closer = exact.triangle[i] != hits.triangle[first + i];
+        const int closer = exact.primitive[i] != hits.primitive[first + i];
         hits.t[first + i] = closer ? as_uint(as_float(exact.t[i]) / lengths[i]) : hits.t[first + i];
         hits.u[first + i] = closer ? exact.u[i] : hits.u[first + i];
         hits.v[first + i] = closer ? exact.v[i] : hits.v[first + i];
-        hits.triangle[first + i] = exact.triangle[i];
+        hits.primitive[first + i] = exact.primitive[i];
     }
 }
 
@@ -59,7 +59,7 @@ MCV_BATCH void mcv_begin_shadows(mcv_hits hits, uint first, uint last) {
 }
 
 MCV_LOOP_FUNCTION int mcv_is_lit(mcv_hit hit, int any) {
-    return (hit.t > -INFINITY) & (!any | (hit.triangle == MCV_NONE));
+    return (hit.t > -INFINITY) & (!any | (hit.primitive == MCV_NONE));
 }
 
 #if MCV_WITH_RECORDS

@@ -86,15 +86,15 @@ MCV_BATCH void mcv_take_exact_hits(mcv_world world, const uint *t, const uint *p
     MCV_VECTORIZE
     for (uint i = 0; i < mcv_fill_lanes(count); ++i) {
         const float before = as_float(hits.t[i]), here = as_float(t[i]);
-        const uint triangle = hits.triangle[i];
+        const uint primitive = hits.primitive[i];
         const int closer = (reaches[i] != 0u) & (here < before);
-        tied[i] =
-            (reaches[i] != 0u) & (here == before) & mcv_is_exact(triangle) & (triangle != MCV_NONE);
+        tied[i] = (reaches[i] != 0u) & (here == before) & mcv_is_exact(primitive) &
+                  (primitive != MCV_NONE);
         ties += tied[i];
         hits.t[i] = as_uint(closer ? here : before);
         hits.u[i] = closer ? 0u : hits.u[i];
         hits.v[i] = closer ? 0u : hits.v[i];
-        hits.triangle[i] = closer ? mcv_exact_hit(number, pieces[i]) : triangle;
+        hits.primitive[i] = closer ? mcv_exact_hit(number, pieces[i]) : primitive;
     }
     for (uint i = 0; ties > 0 && i < count; ++i) {
         if (!tied[i]) continue;

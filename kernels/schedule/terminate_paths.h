@@ -118,7 +118,7 @@ MCV_BATCH void mcv_share_lamp(mcv_world world, uint *apart, uint count, uint emi
         if (MCV_WORD(slot, path_class, 0) != MCV_PATH_CLASS_CARRIED) continue;
         const mcv_vec3 direction = MCV_LOAD_3(slot, direction);
         const mcv_interaction interaction =
-            mcv_surface_interaction(mcv_surface_at(world, hit.triangle, hit.u, hit.v), direction);
+            mcv_surface_interaction(mcv_surface_at(world, hit.primitive, hit.u, hit.v), direction);
         shares[slot.index] = mcv_camera_share(world, slot, interaction, emitter);
     }
 }

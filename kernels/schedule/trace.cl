@@ -22,7 +22,7 @@ typedef struct mcv_traced {
     mcv_vec3 point, normal, point_low, normal_low;
     mcv_vec3 origin, origin_low, direction_low;
     mcv_scattering on; /* its direction, media, event */
-    uint triangle, origin_surface;
+    uint primitive, origin_surface;
     float distance, distance_low, transmittance, radiance;
 } mcv_traced;
 
@@ -37,7 +37,7 @@ static mcv_traced mcv_start_trace(mcv_device_ray ray) {
 #endif
     at.on = mcv_scatter_into(mcv_vec(ray.direction[0], ray.direction[1], ray.direction[2]),
                              ray.media, MCV_EVENT_START);
-    at.triangle = at.origin_surface = MCV_NONE;
+    at.primitive = at.origin_surface = MCV_NONE;
     at.distance = at.distance_low = at.radiance = 0.0f;
     at.transmittance = 1.0f;
     return at;
@@ -48,7 +48,7 @@ static void mcv_write_vertex(__global mcv_device_vertex *vertex, const mcv_trace
     mcv_write_vector(vertex->normal, at->normal);
     mcv_write_vector(vertex->direction, at->on.direction);
     vertex->distance = at->distance;
-    vertex->triangle = at->triangle;
+    vertex->primitive = at->primitive;
     vertex->event = at->on.event;
     vertex->medium = MCV_WITH_DIELECTRIC ? mcv_filling_medium(at->on.media) : 0u;
     vertex->transmittance = at->transmittance;
@@ -69,7 +69,7 @@ static mcv_hit mcv_trace_on(mcv_world world, mcv_slot slot, mcv_traced *at) {
     mcv_intersect_closest(world, slot);
     const mcv_hit hit = {MCV_LOAD(slot, hit, 0), MCV_LOAD(slot, hit, 1), MCV_LOAD(slot, hit, 2),
                          MCV_WORD(slot, hit, 3)};
-    at->triangle = hit.triangle;
+    at->primitive = hit.primitive;
     at->distance = hit.t;
     at->transmittance = MCV_LOAD(slot, throughput, 0);
     return hit;
@@ -154,7 +154,7 @@ static uint mcv_trace_path(mcv_world world, mcv_slot slot, mcv_device_ray ray, u
             count + 1 == stride)
             return count + 1;
         const mcv_hit hit = mcv_trace_on(world, slot, &at);
-        if (hit.triangle == MCV_NONE)
+        if (hit.primitive == MCV_NONE)
             mcv_end_trace(world, &at);
         else
             mcv_pass_surface(world, hit, &at);

@@ -117,7 +117,7 @@ MCV_FUNCTION mcv_color mcv_connection_transmittance(mcv_world world, mcv_connect
         const mcv_hit hit =
             mcv_closest_within(world, connection.origin, way, connection.origin_surface);
         ++counts[MCV_COUNTER_shadow_rays];
-        if (hit.triangle == MCV_NONE) return transmittance;
+        if (hit.primitive == MCV_NONE) return transmittance;
         const mcv_interaction interaction = mcv_surface_interaction(
             mcv_hit_surface(world, connection.origin, way, hit), mcv_normalize(way));
         if (plates == 0 || !mcv_is_plate(world, interaction)) return mcv_grey(0.0f);
@@ -137,7 +137,7 @@ MCV_FUNCTION mcv_color mcv_connection_transmittance(mcv_world world, mcv_connect
     if (MCV_WITH_SURFACES)
         blocked = blocked || mcv_intersect_solids_along(world, connection.origin, way,
                                                         connection.origin_surface, mcv_miss(1.0f))
-                                     .triangle != MCV_NONE;
+                                     .primitive != MCV_NONE;
     (void)plates;
     return blocked ? mcv_grey(0.0f) : transmittance;
 #endif

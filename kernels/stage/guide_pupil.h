@@ -42,7 +42,7 @@ static mcv_arrival mcv_follow(mcv_world world, mcv_film_sample film, float p_x, 
     for (uint depth = 0; depth < world.frame->depth; ++depth) {
         uint unmatched = 0;
         const mcv_hit hit = mcv_closest(world, origin, direction, origin_surface);
-        if (hit.triangle == MCV_NONE) return arrival;
+        if (hit.primitive == MCV_NONE) return arrival;
         const mcv_interaction interaction = mcv_hit_interaction(world, origin, direction, hit);
         const uint emitter = world.instances[interaction.surface.instance].emitter;
         if (emitter != MCV_NONE) {

@@ -23,7 +23,7 @@ MCV_FUNCTION void mcv_intersect_closest(mcv_world world, mcv_slot slot) {
     MCV_STORE(slot, hit, 0, hit.t);
     MCV_STORE(slot, hit, 1, hit.u);
     MCV_STORE(slot, hit, 2, hit.v);
-    MCV_WORD(slot, hit, 3) = hit.triangle;
+    MCV_WORD(slot, hit, 3) = hit.primitive;
     if (MCV_WITH_ABSORPTION) mcv_absorb(world, slot);
 }
 

@@ -22,8 +22,8 @@ MCV_LOOP_FUNCTION void mcv_add_shadow_light(mcv_world world, mcv_slot slot, mcv_
     MCV_LOAD_COLOR(slot, shadow_light, light);
 #if (MCV_WITH_PARALLEL || MCV_WITH_BEAM) && MCV_WITH_TEXTURE
     /* What comes along a cone's or a beam's direction depends on where it was met. */
-    if (lit && hit.triangle != MCV_NONE) {
-        const mcv_surface there = mcv_surface_at(world, hit.triangle, hit.u, hit.v);
+    if (lit && hit.primitive != MCV_NONE) {
+        const mcv_surface there = mcv_surface_at(world, hit.primitive, hit.u, hit.v);
         const uint emitter = world.instances[there.instance].emitter,
                    texture = world.emitters[emitter].texture;
         /* An image whose pixels are told apart is white (host/transport/white.h). */
@@ -59,8 +59,8 @@ static float mcv_shadow_end(mcv_slot slot) {
 }
 
 static int mcv_hits_target(mcv_world world, mcv_slot slot, mcv_hit hit) {
-    return hit.triangle != MCV_NONE &&
-           mcv_instance_of(world, hit.triangle) == MCV_WORD(slot, shadow_target, 0);
+    return hit.primitive != MCV_NONE &&
+           mcv_instance_of(world, hit.primitive) == MCV_WORD(slot, shadow_target, 0);
 }
 
 /* What the shadow ray meets, of triangles that stand still (the given hit) and moving ones. */
@@ -70,8 +70,8 @@ MCV_FUNCTION mcv_hit mcv_shadow_past_moving(mcv_world world, mcv_slot slot, mcv_
                    direction = MCV_LOAD_3(slot, shadow_direction);
     world = mcv_at_time(world, slot);
     if (!mcv_shadow_is_any(slot)) return mcv_closest_moving(world, origin, direction, hit);
-    if (hit.triangle == MCV_NONE && mcv_moving_part_blocks(world, origin, direction, hit.t))
-        hit.triangle = 0u; /* whichever */
+    if (hit.primitive == MCV_NONE && mcv_moving_part_blocks(world, origin, direction, hit.t))
+        hit.primitive = 0u; /* whichever */
 #else
     (void)world, (void)slot;
 #endif
@@ -80,7 +80,7 @@ MCV_FUNCTION mcv_hit mcv_shadow_past_moving(mcv_world world, mcv_slot slot, mcv_
 
 /* What the shadow ray meets, of triangles (the given hit) and exact surfaces. */
 MCV_FUNCTION mcv_hit mcv_shadow_past_solids(mcv_world world, mcv_slot slot, mcv_hit hit) {
-    if (!MCV_WITH_SURFACES || (hit.triangle != MCV_NONE && mcv_shadow_is_any(slot))) return hit;
+    if (!MCV_WITH_SURFACES || (hit.primitive != MCV_NONE && mcv_shadow_is_any(slot))) return hit;
     return mcv_intersect_solids_along(world, MCV_LOAD_3(slot, shadow_origin),
                                       MCV_LOAD_3(slot, shadow_direction),
                                       MCV_WORD(slot, shadow_origin_surface, 0), hit);
@@ -97,7 +97,7 @@ MCV_FUNCTION void mcv_intersect_shadow(mcv_world world, mcv_slot slot) {
     if (mcv_shadow_is_any(slot)) {
         const mcv_hit end = mcv_shadow_past_solids(
             world, slot, mcv_shadow_past_moving(world, slot, mcv_miss(mcv_shadow_end(slot))));
-        if (end.triangle == MCV_NONE &&
+        if (end.primitive == MCV_NONE &&
             !mcv_intersect_any_ray(world.nodes, world.leaves, origin, direction, end.t))
             mcv_add_single_light(world, slot, end);
     } else {

@@ -131,7 +131,7 @@ MCV_FUNCTION void mcv_trace_light_path(mcv_world world, uint index, __global uin
             !(path.light_flags & MCV_LIGHT_FLAG_SPREAD))
             mcv_enter_lens(world, path, hit.t, splats, id.replicate, choice.x, counts);
 #endif
-        if (hit.triangle == MCV_NONE) return;
+        if (hit.primitive == MCV_NONE) return;
         path.length += hit.t;
         path.throughput =
             mcv_tint(path.throughput, mcv_medium_transmittance(world, path.media, hit.t));

@@ -22,17 +22,17 @@ static void mcv_shade_emitter_hit(mcv_world world, mcv_vec3 receiver, mcv_vec3 d
     met[2] = 0.0f;
     (void)hit, (void)emitter;
 #if MCV_WITH_ENVIRONMENT_IMAGE && MCV_WITH_TEXTURE
-    if (hit.triangle == MCV_NONE && world.emitters[emitter].type == MCV_EMITTER_ENVIRONMENT) {
+    if (hit.primitive == MCV_NONE && world.emitters[emitter].type == MCV_EMITTER_ENVIRONMENT) {
         const mcv_pixel pixel = mcv_sky_pixel_at(world.emitters + emitter, direction);
         met[1] = mcv_pixel_radiance(world, world.emitters + emitter, pixel).c[0];
         met[2] = mcv_environment_density(world, world.emitters + emitter, pixel);
     }
 #endif
 #if MCV_WITH_EMISSION
-    if (hit.triangle == MCV_NONE ||
-        world.instances[mcv_instance_of(world, hit.triangle)].emitter != emitter)
+    if (hit.primitive == MCV_NONE ||
+        world.instances[mcv_instance_of(world, hit.primitive)].emitter != emitter)
         return;
-    const mcv_surface there = mcv_surface_at(world, hit.triangle, hit.u, hit.v);
+    const mcv_surface there = mcv_surface_at(world, hit.primitive, hit.u, hit.v);
     met[0] = mcv_abs(mcv_dot(direction, there.face));
     met[1] = mcv_emitted(world, there, emitter, mcv_scale(direction, -1.0f)).c[0];
     met[2] = mcv_emitter_density(world, receiver, there, emitter, direction, hit.t);

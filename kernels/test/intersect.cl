@@ -70,11 +70,11 @@ intersect_any(__global const mcv_node *nodes, __global const mcv_leaf *leaves,
 MCV_TRACE_RAYS(mcv_closest_alone, 0, 0)
 MCV_TRACE_RAYS(mcv_any_alone, 1, 0)
 MCV_BATCH_KERNEL(intersect_closest_together, mcv_intersect_closest_rays, mcv_hit, )
-MCV_BATCH_KERNEL(intersect_any_together, mcv_intersect_any_rays, int, .triangle != MCV_NONE)
+MCV_BATCH_KERNEL(intersect_any_together, mcv_intersect_any_rays, int, .primitive != MCV_NONE)
 MCV_BATCH_KERNEL(intersect_closest_alone, mcv_closest_alone, mcv_hit, )
-MCV_BATCH_KERNEL(intersect_any_alone, mcv_any_alone, int, .triangle != MCV_NONE)
+MCV_BATCH_KERNEL(intersect_any_alone, mcv_any_alone, int, .primitive != MCV_NONE)
 MCV_BATCH_KERNEL(closest_many, mcv_intersect_closest_rays, mcv_hit, )
-MCV_BATCH_KERNEL(any_many, mcv_intersect_any_rays, int, .triangle != MCV_NONE)
+MCV_BATCH_KERNEL(any_many, mcv_intersect_any_rays, int, .primitive != MCV_NONE)
 
 __kernel __attribute__((reqd_work_group_size(1, 1, 1))) void
 intersect_all(__global const mcv_leaf *leaves, __global const mcv_batch_ray *rays,

@@ -115,7 +115,7 @@ static inline __attribute__((noinline)) int mcv_intersect_any_ray(__global const
     ulong waiting[MCV_BVH_STACK];
     uint current = 0, count = 0;
     while (mcv_traverse_step(nodes, leaves, &ray, 1, &hit, &current, &count, waiting)) {}
-    return hit.triangle != MCV_NONE;
+    return hit.primitive != MCV_NONE;
 }
 
 #if MCV_WITH_CONTACT

@@ -23,7 +23,7 @@ MCV_FUNCTION mcv_hit mcv_closest_moving(mcv_world world, mcv_vec3 origin, mcv_ve
         world.nodes + world.frame->moving_nodes, world.leaves + world.frame->moving_leaves,
         mcv_point_at_rest(motion, world.pose, origin),
         mcv_direction_at_rest(motion, world.pose, direction), hit.t);
-    return moving.triangle != MCV_NONE ? moving : hit;
+    return moving.primitive != MCV_NONE ? moving : hit;
 }
 
 /* Whether a moving part is hit with 0 < t < t_max. */
@@ -45,7 +45,7 @@ MCV_FUNCTION mcv_hit mcv_closest(mcv_world world, mcv_vec3 origin, mcv_vec3 dire
         mcv_intersect_solids(world, origin, direction, origin_surface, mcv_miss(INFINITY));
     mcv_hit hit = mcv_intersect_closest_ray(world.nodes, world.leaves, origin, direction,
                                             mcv_just_beyond(exact));
-    if (hit.triangle == MCV_NONE) hit = exact;
+    if (hit.primitive == MCV_NONE) hit = exact;
 #else
     mcv_hit hit = mcv_intersect_closest_ray(world.nodes, world.leaves, origin, direction, INFINITY);
     (void)origin_surface;

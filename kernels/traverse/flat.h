@@ -15,9 +15,9 @@ static inline int mcv_is_flat(__global const mcv_node *root) {
 /* Writes the hits of rays that follow each other; those of `changed` are new. */
 MCV_LOOP_FUNCTION void mcv_store_neighbours(const mcv_lanes *rays, mcv_uints before, uint first,
                                             int any, mcv_hits hits) {
-    mcv_store_lanes(rays->triangle, hits.triangle + first);
+    mcv_store_lanes(rays->primitive, hits.primitive + first);
     if (any) return;
-    const mcv_ints met = rays->triangle != before;
+    const mcv_ints met = rays->primitive != before;
     const mcv_uints u = mcv_as_uints(rays->b / rays->det), v = mcv_as_uints(rays->c / rays->det);
     mcv_store_lanes(mcv_as_uints(rays->t), hits.t + first);
     mcv_store_lanes(met ? u : mcv_load_lanes(hits.u + first), hits.u + first);
@@ -31,10 +31,10 @@ MCV_LOOP_FUNCTION void mcv_store_some(const mcv_lanes *rays, const uint *numbers
     mcv_store_lanes(mcv_as_uints(rays->t), met[0]);
     mcv_store_lanes(mcv_as_uints(rays->b / rays->det), met[1]);
     mcv_store_lanes(mcv_as_uints(rays->c / rays->det), met[2]);
-    mcv_store_lanes(rays->triangle, met[3]);
+    mcv_store_lanes(rays->primitive, met[3]);
     do {
         const uint k = mcv_pop_bit(&changed), i = numbers[k];
-        hits.triangle[i] = met[3][k];
+        hits.primitive[i] = met[3][k];
         if (any) continue;
         hits.t[i] = met[0][k];
         hits.u[i] = met[1][k];
@@ -69,9 +69,9 @@ MCV_LOOP_FUNCTION void mcv_trace_flat(__global const mcv_node *root,
         const int neighbours = origins.step == 1u && mcv_are_neighbours(own);
         mcv_lanes_setup(origins, directions, own, neighbours, root->extent, &slabs, &rays);
         MCV_TAKE_LANES(hits.t, 1u, own, neighbours, t);
-        MCV_TAKE_LANES(hits.triangle, 1u, own, neighbours, before);
+        MCV_TAKE_LANES(hits.primitive, 1u, own, neighbours, before);
         rays.t = mcv_as_floats(t);
-        rays.triangle = before;
+        rays.primitive = before;
         rays.b = rays.c = rays.det = (mcv_floats)(1.0f);
         uint changed = 0;
         for (uint i = 0; i < triangle_count; ++i)

@@ -11,7 +11,7 @@
 typedef struct mcv_lanes {
     mcv_lane_shear shear;
     mcv_floats t, b, c, det; /* as of mcv_intersect_lanes */
-    mcv_uints triangle;
+    mcv_uints primitive;
 } mcv_lanes;
 
 /* One row of the given rays; neighbours: they follow each other. */
@@ -83,17 +83,17 @@ MCV_LOOP_FUNCTION uint mcv_lanes_hit(__global const float *corners, uint number,
         return 0;
     if (any) {
         met &= t < rays->t;
-        rays->triangle = met ? triangle : rays->triangle;
+        rays->primitive = met ? triangle : rays->primitive;
         rays->t = met ? (mcv_floats)(-1.0f) : rays->t;
         return mcv_mask_lanes(met);
     }
     met &= (t < rays->t) |
-           ((t == rays->t) & (rays->triangle != MCV_NONE) & (triangle < rays->triangle));
+           ((t == rays->t) & (rays->primitive != MCV_NONE) & (triangle < rays->primitive));
     rays->t = met ? t : rays->t;
     rays->b = met ? b : rays->b;
     rays->c = met ? c : rays->c;
     rays->det = met ? det : rays->det;
-    rays->triangle = met ? triangle : rays->triangle;
+    rays->primitive = met ? triangle : rays->primitive;
     return mcv_mask_lanes(met);
 }
 

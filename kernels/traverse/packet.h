@@ -95,8 +95,8 @@ static inline mcv_ray_frame mcv_packet_ray(const mcv_packet *p, uint i) {
 /* Takes a ray's hit if it is closer than the one that it has. */
 static inline void mcv_packet_take(mcv_packet *p, uint i, int any, mcv_hit hit) {
     mcv_hit *before = p->hits + i;
-    if (hit.triangle == MCV_NONE ||
-        !(hit.t < before->t || (hit.t == before->t && hit.triangle < before->triangle)))
+    if (hit.primitive == MCV_NONE ||
+        !(hit.t < before->t || (hit.t == before->t && hit.primitive < before->primitive)))
         return;
     *before = hit;
     p->t[i] = any ? -1.0f : hit.t;
@@ -115,7 +115,7 @@ static inline __attribute__((noinline)) void mcv_packet_leaf(__global const mcv_
         for (uint k = 0; k < MCV_LANES; ++k) {
             const uint ray = list[min(first + k, count - 1u)];
             i[k] = ray;
-            triangles[k] = p->hits[ray].triangle;
+            triangles[k] = p->hits[ray].primitive;
             main_axis[k] = p->main_axis[ray];
             o[0][k] = p->origin[0][ray], o[1][k] = p->origin[1][ray], o[2][k] = p->origin[2][ray];
             slope[0][k] = p->slope[0][ray], slope[1][k] = p->slope[1][ray];
@@ -132,7 +132,7 @@ static inline __attribute__((noinline)) void mcv_packet_leaf(__global const mcv_
         rays.shear.scale = mcv_load_lanes(scale);
         rays.t = mcv_load_lanes(t);
         rays.b = rays.c = rays.det = (mcv_floats)(1.0f);
-        rays.triangle = mcv_load_lanes(triangles);
+        rays.primitive = mcv_load_lanes(triangles);
         uint changed = 0;
         for (uint lane = 0; lane < MCV_LEAF_TRIANGLES && leaf->triangle[lane] != MCV_NONE; ++lane)
             changed |= mcv_lanes_hit(MCV_CORNERS_OF(leaf, lane), leaf->triangle[lane], any, &rays);
@@ -140,12 +140,12 @@ static inline __attribute__((noinline)) void mcv_packet_leaf(__global const mcv_
         mcv_store_lanes(rays.t, t);
         mcv_store_lanes(rays.b / rays.det, u);
         mcv_store_lanes(rays.c / rays.det, v);
-        mcv_store_lanes(rays.triangle, triangles);
+        mcv_store_lanes(rays.primitive, triangles);
         do {
             const uint k = mcv_pop_bit(&changed);
             mcv_hit *hit = p->hits + i[k];
             p->t[i[k]] = t[k];
-            hit->triangle = triangles[k];
+            hit->primitive = triangles[k];
             if (any) continue;
             hit->t = t[k];
             hit->u = u[k];

@@ -17,7 +17,7 @@ typedef struct mcv_rows {
 
 /* Hits side by side: rows of their fields' bits. */
 typedef struct mcv_hits {
-    uint *t, *u, *v, *triangle;
+    uint *t, *u, *v, *primitive;
 } mcv_hits;
 
 static inline mcv_hits mcv_hits_in(uint *rows, uint step) {
@@ -27,7 +27,7 @@ static inline mcv_hits mcv_hits_in(uint *rows, uint step) {
 
 static inline mcv_hit mcv_hit_of(mcv_hits hits, uint i) {
     const mcv_hit hit = {as_float(hits.t[i]), as_float(hits.u[i]), as_float(hits.v[i]),
-                         hits.triangle[i]};
+                         hits.primitive[i]};
     return hit;
 }
 
@@ -35,14 +35,14 @@ static inline void mcv_put_hit(mcv_hits hits, uint i, mcv_hit hit) {
     hits.t[i] = as_uint(hit.t);
     hits.u[i] = as_uint(hit.u);
     hits.v[i] = as_uint(hit.v);
-    hits.triangle[i] = hit.triangle;
+    hits.primitive[i] = hit.primitive;
 }
 
 static inline mcv_hit mcv_miss(float t_max) {
     mcv_hit hit;
     hit.t = t_max;
     hit.u = hit.v = 0.0f;
-    hit.triangle = MCV_NONE;
+    hit.primitive = MCV_NONE;
     return hit;
 }
 

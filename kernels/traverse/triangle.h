@@ -146,15 +146,15 @@ MCV_LOOP_FUNCTION int mcv_intersect_leaf_after(__global const mcv_leaf *leaf,
         const uint lane = mcv_pop_bit(&mask);
         const uint triangle = leaf->triangle[lane];
         if (after &&
-            !(lane_t[lane] > after->t || (lane_t[lane] == after->t && triangle > after->triangle)))
+            !(lane_t[lane] > after->t || (lane_t[lane] == after->t && triangle > after->primitive)))
             continue;
         /* A miss so far (MCV_NONE) has t_max, which is not a hit itself. */
         if (lane_t[lane] < hit->t ||
-            (lane_t[lane] == hit->t && hit->triangle != MCV_NONE && triangle < hit->triangle)) {
+            (lane_t[lane] == hit->t && hit->primitive != MCV_NONE && triangle < hit->primitive)) {
             hit->t = lane_t[lane];
             hit->u = lane_b[lane] / lane_det[lane];
             hit->v = lane_c[lane] / lane_det[lane];
-            hit->triangle = triangle;
+            hit->primitive = triangle;
             found = 1;
         }
     } while (mask);

@@ -34,11 +34,11 @@ static inline off_by off_beyond(off_by before, double e, double largest, double 
 /* The cosine between a vertex's face and the ray that comes from the one before. */
 static inline double cosine_at(const mcv_scene *scene, const mcv_vertex *v) {
     ref_vec face = ref_from(v->normal);
-    if (v->triangle < scene->triangle_count) {
+    if (v->primitive < scene->triangle_count) {
         double normal[3];
-        const uint32_t instance = mcv_scene_instance_of(scene, v->triangle);
+        const uint32_t instance = mcv_scene_instance_of(scene, v->primitive);
         mcv_scene_face_normal(scene, instance,
-                              v->triangle - scene->instances[instance].first_triangle, normal);
+                              v->primitive - scene->instances[instance].first_triangle, normal);
         face = ref_unit(ref_from(normal));
     }
     return fabs(ref_dot(face, ref_from(v[-1].direction)));
@@ -69,7 +69,7 @@ static inline agreement agree(const mcv_scene *scene, const traced *rays, const 
             continue;
         }
         if (lost) continue;
-        lost = b == end || b->ray != a->ray || b->event != a->event || b->triangle != a->triangle;
+        lost = b == end || b->ray != a->ray || b->event != a->event || b->primitive != a->primitive;
         if (!lost && a->event != MCV_EVENT_MISS) {
             const double eta = a->event == MCV_EVENT_REFLECT ? 0 : b[-1].ior / b->ior;
             const off_by off = {farther(a->position, b->position),

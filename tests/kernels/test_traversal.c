@@ -110,7 +110,7 @@ static uint64_t count_hits_at_ends(uint32_t mesh_number, batch_ray *rays, uint32
                                    const mcv_hit *closest, int *found) {
     uint64_t wrong = 0;
     for (uint32_t i = 0; i < count; ++i)
-        if (closest[i].triangle != MCV_NONE) rays[i].t_max = closest[i].t;
+        if (closest[i].primitive != MCV_NONE) rays[i].t_max = closest[i].t;
     for (int way = 0; way < 3; ++way) {
         run(way == 0   ? device.any
             : way == 1 ? device.any_alone
@@ -162,14 +162,14 @@ static void test_same_hit_as_all_triangles(void **state) {
                 }
             }
             for (uint32_t i = 0; i < COUNT; ++i) {
-                hits += wanted[i].triangle != MCV_NONE;
+                hits += wanted[i].primitive != MCV_NONE;
                 /* Of the four equal triangles in a plane of duplicates only the first may be seen.
                  */
-                if ((number == 4 || number == 7) && wanted[i].triangle != MCV_NONE &&
-                    wanted[i].triangle % 8 - 1 < 3)
+                if ((number == 4 || number == 7) && wanted[i].primitive != MCV_NONE &&
+                    wanted[i].primitive % 8 - 1 < 3)
                     ++wrong;
                 if (memcmp(got + i, wanted + i, sizeof *got) == 0 &&
-                    found[i] == (wanted[i].triangle != MCV_NONE))
+                    found[i] == (wanted[i].primitive != MCV_NONE))
                     continue;
                 if (wrong++ < 5) {
                     print_error("mesh %u, ray %u from (%a, %a, %a) along (%a, %a, %a): hierarchy t "
@@ -177,8 +177,8 @@ static void test_same_hit_as_all_triangles(void **state) {
                                 "triangles t %a, u %a, v %a, triangle %u\n",
                                 number, i, rays[i].origin[0], rays[i].origin[1], rays[i].origin[2],
                                 rays[i].direction[0], rays[i].direction[1], rays[i].direction[2],
-                                got[i].t, got[i].u, got[i].v, got[i].triangle, found[i],
-                                wanted[i].t, wanted[i].u, wanted[i].v, wanted[i].triangle);
+                                got[i].t, got[i].u, got[i].v, got[i].primitive, found[i],
+                                wanted[i].t, wanted[i].u, wanted[i].v, wanted[i].primitive);
                 }
             }
             wrong += count_hits_at_ends(number, rays, COUNT, got, found);
@@ -293,7 +293,7 @@ static void test_nothing_leaves_a_closed_mesh(void **state) {
         }
         run(device.closest, rays, COUNT, hits);
         run(device.any, rays, COUNT, found);
-        for (uint32_t i = 0; i < COUNT; ++i) wrong += hits[i].triangle == MCV_NONE || !found[i];
+        for (uint32_t i = 0; i < COUNT; ++i) wrong += hits[i].primitive == MCV_NONE || !found[i];
     }
     print_message("%d rays, %lu escaped\n", COUNT * RAY_FACTOR, wrong);
     note_rays("out of a closed mesh at its edges", (uint64_t)COUNT * RAY_FACTOR, wrong);
@@ -377,9 +377,9 @@ static void test_hits_lie_ahead_within_their_error(void **state) {
             }
             run(device.closest, rays, COUNT, hits);
             for (uint32_t i = 0; i < COUNT; ++i) {
-                if (hits[i].triangle == MCV_NONE) continue;
+                if (hits[i].primitive == MCV_NONE) continue;
                 double bound;
-                const double depth = exact_depth(m, hits[i].triangle, rays + i, &bound);
+                const double depth = exact_depth(m, hits[i].primitive, rays + i, &bound);
                 float main_component = 0.0f;
                 for (int k = 0; k < 3; ++k)
                     main_component = fmaxf(main_component, fabsf(rays[i].direction[k]));
@@ -489,8 +489,8 @@ static void test_offset_origins_leave_their_surface(void **state) {
         run(device.closest, rays, COUNT, hits);
         run(device.any, rays, COUNT, found);
         for (uint32_t i = 0; i < COUNT; ++i) {
-            assert_int_equal(found[i], hits[i].triangle != MCV_NONE);
-            const bool wrong = i % 2 ? found[i] : !found[i] || hits[i].triangle == from[i];
+            assert_int_equal(found[i], hits[i].primitive != MCV_NONE);
+            const bool wrong = i % 2 ? found[i] : !found[i] || hits[i].primitive == from[i];
             if (!wrong) continue;
             if (caught + lost < 5) {
                 print_error("body %u (size %g m at %g m), face %u, %s ray %u from (%a, %a, %a) "
@@ -498,7 +498,7 @@ static void test_offset_origins_leave_their_surface(void **state) {
                             number, size, distance, from[i], i % 2 ? "outer" : "inner", i,
                             rays[i].origin[0], rays[i].origin[1], rays[i].origin[2],
                             rays[i].direction[0], rays[i].direction[1], rays[i].direction[2],
-                            hits[i].triangle, hits[i].t);
+                            hits[i].primitive, hits[i].t);
             }
             caught += i % 2;
             lost += !(i % 2);
@@ -557,9 +557,9 @@ static void test_odd_rays_miss(void **state) {
                 run(device.any_together, odd, COUNT, found);
             }
             const int ray = i % COUNT;
-            if (hits[ray].triangle != MCV_NONE || found[ray])
+            if (hits[ray].primitive != MCV_NONE || found[ray])
                 fail_msg("mesh %d: odd ray %d hits triangle %u at t = %g", number, ray,
-                         hits[ray].triangle, hits[ray].t);
+                         hits[ray].primitive, hits[ray].t);
         }
         mcv_bvh_free(&bvh);
         mesh_free(&m);

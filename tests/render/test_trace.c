@@ -80,7 +80,7 @@ static outcome compare(const mcv_scene *scene, const mcv_trace_ray *rays, size_t
             const mcv_vertex *x = &device[d];
             const mcv_vertex *y = &reference[r];
             if (x->index == 0 || !same) continue;
-            if (x->triangle != y->triangle || x->event != y->event) {
+            if (x->primitive != y->primitive || x->event != y->event) {
                 ++o.elsewhere;
                 same = false;
                 continue;
@@ -88,9 +88,9 @@ static outcome compare(const mcv_scene *scene, const mcv_trace_ray *rays, size_t
             if (x->event == MCV_EVENT_MISS) continue;
             ++o.compared;
             double corners[3][3];
-            const uint32_t instance = mcv_scene_instance_of(scene, y->triangle);
+            const uint32_t instance = mcv_scene_instance_of(scene, y->primitive);
             mcv_scene_corners(scene, instance,
-                              y->triangle - scene->instances[instance].first_triangle, corners);
+                              y->primitive - scene->instances[instance].first_triangle, corners);
             const ref_vec face = ref_unit(ref_cross(ref_sub(vec(corners[1]), vec(corners[0])),
                                                     ref_sub(vec(corners[2]), vec(corners[0]))));
             const double cosine = fabs(ref_dot(face, incident));

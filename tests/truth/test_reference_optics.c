@@ -372,7 +372,7 @@ static void test_bubble_by_priority_is_bubble_by_shell(void **state) {
         for (size_t k = 0; comparable && k < length[0]; ++k)
             for (int c = 1; c < 4; ++c)
                 comparable = comparable && v[c][at[c] + k].event == v[0][at[0] + k].event &&
-                             (c == 3 || v[c][at[c] + k].triangle == v[0][at[0] + k].triangle);
+                             (c == 3 || v[c][at[c] + k].primitive == v[0][at[0] + k].primitive);
         if (comparable) {
             const mcv_vertex *last[4];
             for (int c = 0; c < 4; ++c)

@@ -401,7 +401,7 @@ static void against_reference(void **state) {
             for (; d < device.count && device.vertices[d].ray == i; ++d) {
                 const mcv_vertex *a = device.vertices + d, *b = reference.vertices + r;
                 if (r == reference.count || b->ray != i || a->event != b->event ||
-                    (a->triangle != b->triangle))
+                    (a->primitive != b->primitive))
                     same = false;
                 if (a->event == MCV_EVENT_REFRACT && !((a->ior == 1) != (before == 1)))
                     fail_msg("kind %d, ray %u goes from n = %g to %g", kind, i, before, a->ior);
