@@ -6,6 +6,7 @@
 #include <string.h>
 
 #include "device/hierarchy.h"
+#include "device/keep_hierarchy.h"
 #include "device/light.h"
 #include "scene/motion.h"
 #include "scene/sensors.h"
@@ -24,26 +25,6 @@ typedef struct plan {
     const void *data;
 } plan;
 
-/* Two sums of the bytes' words, each mixed by multiplication and shift; the order of the words
- * matters. */
-static mcv_digest digest(mcv_digest d, const void *data, size_t bytes) {
-    const unsigned char *from = data;
-    d.bytes += bytes;
-    for (size_t i = 0; i < bytes; i += 8) {
-        uint64_t word = 0;
-        memcpy(&word, from + i, bytes - i < 8 ? bytes - i : 8);
-        d.hash[0] = (d.hash[0] ^ word) * 0x9e3779b97f4a7c15u;
-        d.hash[0] ^= d.hash[0] >> 29;
-        d.hash[1] = (d.hash[1] + word) * 0xc2b2ae3d27d4eb4fu;
-        d.hash[1] ^= d.hash[1] >> 31;
-    }
-    return d;
-}
-
-static bool same(const mcv_digest *a, const mcv_digest *b) {
-    return a->bytes == b->bytes && a->hash[0] == b->hash[0] && a->hash[1] == b->hash[1];
-}
-
 /* The size of an optional array, 0 if the scene lacks it. */
 static size_t present(const void *data, size_t bytes) { return data ? bytes : 0; }
 
@@ -54,7 +35,7 @@ static void take_buffer(mcv_device_scene *kept, mcv_device_scene *d, size_t byte
     kept->buffers[index] = NULL;
 }
 
-/* The acceleration structure is new or already taken by take_structure. keep_structure has computed
+/* The acceleration structure is new or already taken. mcv_keep_hierarchy has computed
  * the digest of the positions. */
 static mcv_result fill_buffer(mcv_cl *cl, const plan *p, uint32_t index, mcv_device_scene *kept,
                               mcv_device_scene *d, mcv_error *error) {
@@ -64,10 +45,10 @@ static mcv_result fill_buffer(mcv_cl *cl, const plan *p, uint32_t index, mcv_dev
     if (structure) return mcv_cl_buffer(cl, p->what, p->bytes, p->data, buffer, error);
     if (index != MCV_BUFFER_positions)
         d->contents[index] =
-            p->data ? digest((mcv_digest){0}, p->data, p->bytes) : (mcv_digest){.bytes = p->bytes};
+            p->data ? mcv_digest_of(p->data, p->bytes) : (mcv_digest){.bytes = p->bytes};
     if (kept) take_buffer(kept, d, p->bytes, index);
     if (!*buffer) return mcv_cl_buffer(cl, p->what, p->bytes, p->data, buffer, error);
-    return kept && p->data && !same(&kept->contents[index], &d->contents[index])
+    return kept && p->data && !mcv_digest_same(&kept->contents[index], &d->contents[index])
                ? mcv_cl_write(cl, *buffer, 0, p->bytes, p->data, error)
                : MCV_OK;
 }
@@ -117,46 +98,6 @@ static void free_vertices(mcv_packed *packed) {
     }
 }
 
-/* A structure that motion has made more costly by this factor is built anew. */
-static const double worth_building = 1.2;
-
-static void take_structure(mcv_device_scene *kept, mcv_device_scene *d) {
-    d->nodes = kept->nodes;
-    d->leaves = kept->leaves;
-    d->node_count = kept->node_count;
-    d->leaf_count = kept->leaf_count;
-    d->structure_cost = kept->structure_cost;
-    d->kept_structure = true;
-    kept->nodes = kept->leaves = NULL;
-}
-
-/* Refits the structure of the previous scene to the moved triangles, and takes it if it is still
- * good. */
-static mcv_result move_structure(mcv_cl *cl, mcv_device_scene *kept, mcv_device_scene *d,
-                                 mcv_error *error) {
-    mcv_bvh bvh = {.node_count = kept->node_count, .leaf_count = kept->leaf_count};
-    const size_t nodes = bvh.node_count * sizeof *bvh.nodes,
-                 leaves = bvh.leaf_count * sizeof *bvh.leaves;
-    bvh.nodes = aligned_alloc(128, (nodes + 127) / 128 * 128);
-    bvh.leaves = aligned_alloc(128, (leaves + 127) / 128 * 128);
-    mcv_result result =
-        bvh.nodes && bvh.leaves
-            ? MCV_OK
-            : mcv_fail(error, MCV_FAILED, "no memory to move the acceleration structure");
-    if (result == MCV_OK) result = mcv_cl_read(cl, kept->nodes, 0, nodes, bvh.nodes, error);
-    if (result == MCV_OK) result = mcv_cl_read(cl, kept->leaves, 0, leaves, bvh.leaves, error);
-    if (result == MCV_OK && kept->structure_cost == 0) kept->structure_cost = mcv_bvh_cost(&bvh);
-    if (result == MCV_OK)
-        result = mcv_bvh_refit(&bvh, d->packed.positions, d->packed.indices, error);
-    if (result == MCV_OK && mcv_bvh_cost(&bvh) <= worth_building * kept->structure_cost) {
-        result = mcv_cl_write(cl, kept->nodes, 0, nodes, bvh.nodes, error);
-        if (result == MCV_OK) result = mcv_cl_write(cl, kept->leaves, 0, leaves, bvh.leaves, error);
-        if (result == MCV_OK) take_structure(kept, d);
-    }
-    mcv_bvh_free(&bvh);
-    return result;
-}
-
 /* The acceleration structure while a thread builds it. */
 typedef struct mcv_hierarchy_build {
     const mcv_packed *packed;
@@ -175,23 +116,6 @@ static void *build_hierarchy(void *user) {
     return NULL;
 }
 
-/* Takes the structure of the previous scene if possible; otherwise device->kept_structure stays
- * false. */
-static mcv_result keep_structure(mcv_cl *cl, mcv_device_scene *kept, mcv_device_scene *device,
-                                 mcv_error *error) {
-    const mcv_packed *p = &device->packed;
-    device->contents[MCV_BUFFER_positions] =
-        digest((mcv_digest){0}, p->positions, 12 * (size_t)p->vertex_count);
-    device->indices_digest = digest((mcv_digest){0}, p->indices, 12 * (size_t)p->triangle_count);
-    if (!kept || !kept->nodes || p->moves || kept->packed.moves ||
-        !same(&kept->indices_digest, &device->indices_digest))
-        return MCV_OK;
-    if (!same(kept->contents + MCV_BUFFER_positions, device->contents + MCV_BUFFER_positions))
-        return move_structure(cl, kept, device, error);
-    take_structure(kept, device);
-    return MCV_OK;
-}
-
 mcv_result mcv_device_scene_begin(mcv_cl *cl, const mcv_scene *scene, uint32_t threads,
                                   mcv_device_scene *kept, mcv_device_scene *device,
                                   mcv_error *error) {
@@ -201,8 +125,9 @@ mcv_result mcv_device_scene_begin(mcv_cl *cl, const mcv_scene *scene, uint32_t t
     if (!b) return mcv_fail(error, MCV_FAILED, "no memory for the acceleration structure");
     b->packed = &device->packed;
     b->threads = threads;
-    MCV_TRY(keep_structure(cl, kept, device, error));
-    if (device->kept_structure) return MCV_OK;
+    MCV_TRY(mcv_keep_hierarchy(cl, kept, threads, device, &b->bvh, error));
+    device->updated_structure = b->bvh.nodes != NULL;
+    if (device->kept_structure || device->updated_structure) return MCV_OK;
     b->own_thread = pthread_create(&b->thread, NULL, build_hierarchy, b) == 0;
     if (!b->own_thread) build_hierarchy(b);
     return MCV_OK;
@@ -265,6 +190,7 @@ void mcv_device_scene_close(mcv_device_scene *device) {
     end_building(device);
     for (uint32_t i = 0; i < MCV_SCENE_ARGUMENTS; ++i) mcv_cl_release(&device->buffers[i]);
     mcv_cl_release(&device->splats);
+    mcv_bvh_base_free(&device->base);
     mcv_packed_free(&device->packed);
 }
 

@@ -5,6 +5,8 @@
 #define MCVISI_HOST_DEVICE_DEVICE_SCENE_H
 
 #include "cl/cl.h"
+#include "accel/update.h"
+#include "device/digest.h"
 #include "device/pack.h"
 #include "mcvisi/buffers.h"
 
@@ -15,11 +17,6 @@ enum {
 #undef MCV_X
         MCV_SCENE_ARGUMENTS
 };
-
-/* Identifies contents: 128 bits and the number of bytes. */
-typedef struct mcv_digest {
-    uint64_t bytes, hash[2];
-} mcv_digest;
 
 typedef struct mcv_device_scene {
     mcv_packed packed; /* its large arrays are freed once they are on the device */
@@ -34,8 +31,11 @@ typedef struct mcv_device_scene {
     };
     cl_mem splats; /* [replicate][channel][row][column], 64 bits each: the sums of light paths so
                       far */
-    bool kept_structure; /* the acceleration structure is that of the previous scene, refitted if
-                            triangles have moved */
+    bool kept_structure;    /* the acceleration structure is that of the previous scene, refitted if
+                               triangles have moved */
+    bool updated_structure; /* it is new for what has changed alone (mcv_bvh_update) */
+    mcv_bvh_base
+        base; /* what it was made from, and those of the scenes that follow are; or empty */
     mcv_digest indices_digest; /* of the indices it was built for; for the positions see contents */
     uint32_t node_count, leaf_count;
     uint32_t moving[2];                       /* the first node and leaf of what moves */
@@ -49,8 +49,9 @@ typedef struct mcv_device_scene {
  * failure.
  *
  * `kept` is the scene rendered before on the same device, or NULL. Buffers with the same contents
- * are taken from it, and the acceleration structure if triangles have moved only a little. `kept`
- * must still be closed, after mcv_device_scene_finish.
+ * are taken from it, and the acceleration structure if triangles have moved only a little. Where
+ * some of the triangles are new, only these are built anew. `kept` must still be closed, after
+ * mcv_device_scene_finish.
  */
 mcv_result mcv_device_scene_begin(mcv_cl *cl, const mcv_scene *scene, uint32_t threads,
                                   mcv_device_scene *kept, mcv_device_scene *device,

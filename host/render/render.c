@@ -58,7 +58,7 @@ static mcv_result open_scene(mcv_renderer *r, const mcv_scene *scene, uint32_t s
     MCV_TRY(mcv_device_scene_begin(&r->cl, scene, r->options->threads, kept, &r->scene, r->error));
     if (r->options->precision == MCV_PRECISION_MIXED)
         MCV_TRY(mcv_device_scene_refine(&r->cl, scene, &r->scene, r->error));
-    r->stats->kept_structure = r->scene.kept_structure;
+    r->stats->kept_structure = r->scene.kept_structure || r->scene.updated_structure;
     mcv_packed *packed = &r->scene.packed;
     const mcv_feature_options choices = {.mixed = r->options->precision == MCV_PRECISION_MIXED,
                                          .no_light_paths = r->options->no_light_paths,

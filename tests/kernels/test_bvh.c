@@ -4,7 +4,7 @@
 #include "test.h"
 #include <string.h>
 
-#include "accel/bvh.h"
+#include "accel/update.h"
 #include "mesh.h"
 
 static mcv_bvh build(const mesh *m, uint32_t threads) {
@@ -177,6 +177,139 @@ static void test_refit(void **state) {
     }
 }
 
+static void middle_of(const mesh *m, uint32_t triangle, float middle[3]) {
+    for (uint32_t axis = 0; axis < 3; ++axis) {
+        middle[axis] = 0;
+        for (uint32_t k = 0; k < 3; ++k)
+            middle[axis] += m->positions[3 * m->indices[3 * triangle + k] + axis] / 3;
+    }
+}
+
+/* A mesh in which every triangle that lies near one is three, behind the others or before them.
+ * Of MCV_NONE none is. */
+static mesh refine_near(const mesh *m, uint32_t triangle, float radius, bool before) {
+    float at[3] = {INFINITY, INFINITY, INFINITY};
+    if (triangle != MCV_NONE) middle_of(m, triangle, at);
+    mesh fine = mesh_new(m->vertex_count + m->triangle_count, 3 * m->triangle_count);
+    uint32_t *parts = malloc(9 * (size_t)m->triangle_count * sizeof *parts), part_count = 0,
+             *kept = malloc(3 * (size_t)m->triangle_count * sizeof *kept), kept_count = 0;
+    assert_true(parts && kept);
+    memcpy(fine.positions, m->positions, 12 * (size_t)m->vertex_count);
+    fine.vertex_count = m->vertex_count;
+    for (uint32_t t = 0; t < m->triangle_count; ++t) {
+        const uint32_t *corner = m->indices + 3 * (size_t)t;
+        float middle[3], squared = 0;
+        middle_of(m, t, middle);
+        for (int axis = 0; axis < 3; ++axis)
+            squared += (middle[axis] - at[axis]) * (middle[axis] - at[axis]);
+        if (squared > radius * radius) {
+            memcpy(kept + 3 * (size_t)kept_count++, corner, 12);
+            continue;
+        }
+        memcpy(fine.positions + 3 * (size_t)fine.vertex_count, middle, sizeof middle);
+        for (int k = 0; k < 3; ++k) {
+            const uint32_t of_part[3] = {corner[k], corner[(k + 1) % 3], fine.vertex_count};
+            memcpy(parts + 3 * (size_t)part_count++, of_part, sizeof of_part);
+        }
+        ++fine.vertex_count;
+    }
+    const uint32_t *first = before ? parts : kept, *second = before ? kept : parts;
+    const uint32_t first_count = before ? part_count : kept_count;
+    fine.triangle_count = part_count + kept_count;
+    memcpy(fine.indices, first, 12 * (size_t)first_count);
+    memcpy(fine.indices + 3 * (size_t)first_count, second,
+           12 * (size_t)(fine.triangle_count - first_count));
+    free(parts);
+    free(kept);
+    return fine;
+}
+
+static mcv_bvh_base base_of(const mesh *m) {
+    mcv_bvh bvh = build(m, 1);
+    mcv_bvh_base base;
+    mcv_error error = {""};
+    assert_int_equal(mcv_bvh_base_make(&bvh, m->triangle_count, &base, &error), MCV_OK);
+    assert_null(bvh.nodes);
+    return base;
+}
+
+/*
+ * A structure that is made from that of a mesh with other refined triangles is complete and tight
+ * as a new one is, and costs hardly more. What is the same is found in order, and in any order.
+ */
+static void test_update(void **state) {
+    static const uint32_t places[4] = {1000, 1010, 5000, MCV_NONE};
+    (void)state;
+    for (int number = 0; number < 16; ++number) {
+        const mesh plain = number < 8 ? mesh_sphere(30, 0.1) : mesh_terrain(60, 0.3, 1);
+        mesh first = refine_near(&plain, places[0], 0.2f, false),
+             m = refine_near(&plain, places[number / 2 % 4], 0.2f, number % 2);
+        mcv_bvh_base base = base_of(&first);
+        mcv_bvh bvh, fresh = build(&m, 1);
+        mcv_error error = {""};
+        assert_int_equal(
+            mcv_bvh_update(&base, m.positions, m.indices, m.triangle_count, 2, &bvh, &error),
+            MCV_OK);
+        assert_non_null(bvh.nodes);
+        check(&m, &bvh);
+        const double cost = mcv_bvh_cost(&bvh), of_fresh = mcv_bvh_cost(&fresh);
+        /* Boxes that grow around the new parts, and holes: below the 1.2 that is built anew. */
+        if (!(cost < 1.2 * of_fresh)) fail_msg("mesh %d: costs %g, new %g", number, cost, of_fresh);
+        mcv_bvh_free(&bvh);
+        mcv_bvh_free(&fresh);
+        mcv_bvh_base_free(&base);
+        mesh_free(&m);
+        mesh_free(&first);
+        mesh plain_again = plain;
+        mesh_free(&plain_again);
+    }
+}
+
+/* Most of the leaves are taken as they are: what is new hangs in nodes of its own. */
+static void test_update_builds_only_what_is_new(void **state) {
+    (void)state;
+    mesh m = mesh_sphere(60, 0.1), fine = refine_near(&m, 1000, 0.1f, false);
+    mcv_bvh_base base = base_of(&m);
+    mcv_matches matches;
+    assert_true(
+        mcv_match_triangles(&base, fine.positions, fine.indices, fine.triangle_count, &matches));
+    /* Each of the triangles near the place became three. */
+    assert_int_equal(3 * (m.triangle_count - matches.found_count),
+                     fine.triangle_count - matches.found_count);
+    assert_in_range(m.triangle_count - matches.found_count, 1, m.triangle_count / 20);
+    for (uint32_t t = 0; t < m.triangle_count; ++t) {
+        const uint32_t number = matches.numbers[t];
+        if (number != MCV_NONE)
+            assert_memory_equal(fine.indices + 3 * (size_t)number, m.indices + 3 * (size_t)t, 12);
+    }
+    mcv_matches_free(&matches);
+    mcv_bvh_base_free(&base);
+    mesh_free(&m);
+    mesh_free(&fine);
+}
+
+/* Equal triangles are as many afterwards as they are; of another mesh nothing is made. */
+static void test_update_of_equal_and_of_other_triangles(void **state) {
+    (void)state;
+    mesh m = mesh_duplicates(4000, 3), other = mesh_sphere(30, 0.1);
+    mcv_bvh_base base = base_of(&m);
+    mcv_bvh bvh;
+    mcv_error error = {""};
+    const uint32_t count = m.triangle_count - 100;
+    m.triangle_count = count;
+    assert_int_equal(mcv_bvh_update(&base, m.positions, m.indices, count, 1, &bvh, &error), MCV_OK);
+    assert_non_null(bvh.nodes);
+    check(&m, &bvh);
+    mcv_bvh_free(&bvh);
+    assert_int_equal(mcv_bvh_update(&base, other.positions, other.indices, other.triangle_count, 1,
+                                    &bvh, &error),
+                     MCV_OK);
+    assert_null(bvh.nodes);
+    mcv_bvh_base_free(&base);
+    mesh_free(&m);
+    mesh_free(&other);
+}
+
 /* Both above what one thread keeps to itself; long thin triangles are split in space. */
 static void test_any_number_of_threads_gives_the_same_bits(void **state) {
     (void)state;
@@ -258,6 +391,9 @@ int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_structure),
         cmocka_unit_test(test_refit),
+        cmocka_unit_test(test_update),
+        cmocka_unit_test(test_update_builds_only_what_is_new),
+        cmocka_unit_test(test_update_of_equal_and_of_other_triangles),
         cmocka_unit_test(test_any_number_of_threads_gives_the_same_bits),
         cmocka_unit_test(test_few_triangles),
         cmocka_unit_test(test_equal_triangles),

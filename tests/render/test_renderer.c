@@ -10,13 +10,44 @@
 typedef struct setup {
     double panel_distance, half_angle, radiance, ball_x, sensor_x;
     uint32_t pixels;
+    uint32_t split; /* this triangle of the ball is three, one moved in; 0: none is */
     const char *what;
     bool keeps_structure, keeps_program;
 } setup;
 
+/* The ball with a triangle that is three around its middle, half way to the centre. */
+static void split_triangle(mcv_mesh *m, uint32_t triangle) {
+    const size_t v = m->vertex_count, t = m->triangle_count, at = 3 * (size_t)triangle;
+    m->positions = realloc(m->positions, 12 * (v + 1));
+    m->indices = realloc(m->indices, 12 * (t + 2));
+    m->normals = realloc(m->normals, 12 * (v + 1));
+    assert_true(m->positions && m->normals && m->indices);
+    memcpy(m->normals + 3 * v, m->normals + 3 * (size_t)m->indices[at], 12);
+    const uint32_t corner[3] = {m->indices[at], m->indices[at + 1], m->indices[at + 2]};
+    for (size_t k = 0; k < 3; ++k) {
+        m->positions[3 * v + k] = 0;
+        for (int i = 0; i < 3; ++i)
+            m->positions[3 * v + k] += m->positions[3 * (size_t)corner[i] + k] / 6;
+    }
+    /* The others follow, so that they have other numbers. */
+    memmove(m->indices + at, m->indices + at + 3, 12 * (t - triangle - 1));
+    for (size_t k = 0; k < 3; ++k) {
+        m->indices[3 * (t - 1 + k)] = corner[k];
+        m->indices[3 * (t - 1 + k) + 1] = corner[(k + 1) % 3];
+        m->indices[3 * (t - 1 + k) + 2] = (uint32_t)v;
+    }
+    m->vertex_count += 1;
+    m->triangle_count += 2;
+}
+
 static mcv_scene *make_scene(const setup *s) {
     mcv_scene *scene = mcv_scene_new("renderer");
     add_sphere(scene, 0.5, 16, add_diffuse(scene, 0.5), looking_down_z(s->ball_x, 0, 0));
+    if (s->split) {
+        split_triangle(scene->meshes, s->split);
+        const mcv_json_path place = mcv_place_file("renderer");
+        BUILD(mcv_scene_number_triangles(scene, &place, &builder_error));
+    }
     const uint32_t panel =
         add_rectangle(scene, 2, 2, add_absorber(scene), looking_down_z(0, 0, s->panel_distance));
     mcv_emitter emitter = {.name = (char *)"panel",
@@ -44,15 +75,22 @@ static void render_once(const mcv_scene *scene, mcv_renderer *renderer, mcv_film
 
 static void test_same_bits_and_kept(void **state) {
     static const setup setups[] = {
-        {4, 0.3, 1, 0, 0, 20, "the first", false, false},
-        {4, 0.3, 1, 0, 0, 20, "nothing new", true, true},
-        {4, 0.3, 2, 0, 0, 20, "another radiance", true, true},
-        {4, 0.6, 2, 0, 0, 20, "another cone", true, true},
-        {4, 0.6, 2, 0, 0.1, 20, "the sensor moved", true, true},
-        {4, 0.6, 2, 0, 0.1, 28, "more pixels", true, true},
-        {4.5, 0.6, 2, 0, 0.1, 28, "the panel moved", true, true},
-        {3.9, 0.6, 2, 0.2, 0.1, 28, "the panel and the ball moved", true, true},
-        {4.5, 0.6, 2, 0.2, 0.1, 28, "the panel moved back", true, true},
+        {4, 0.3, 1, 0, 0, 20, 0, "the first", false, false},
+        {4, 0.3, 1, 0, 0, 20, 0, "nothing new", true, true},
+        {4, 0.3, 2, 0, 0, 20, 0, "another radiance", true, true},
+        {4, 0.6, 2, 0, 0, 20, 0, "another cone", true, true},
+        {4, 0.6, 2, 0, 0.1, 20, 0, "the sensor moved", true, true},
+        {4, 0.6, 2, 0, 0.1, 28, 0, "more pixels", true, true},
+        {4.5, 0.6, 2, 0, 0.1, 28, 0, "the panel moved", true, true},
+        {3.9, 0.6, 2, 0.2, 0.1, 28, 0, "the panel and the ball moved", true, true},
+        {4.5, 0.6, 2, 0.2, 0.1, 28, 0, "the panel moved back", true, true},
+        {4.5, 0.6, 2, 0.2, 0.1, 28, 30, "a triangle of the ball split", true, true},
+        {4.5, 0.6, 2, 0.2, 0.1, 28, 30, "again", true, true},
+        {4.5, 0.6, 2, 0.2, 0.1, 28, 300, "another one", true, true},
+        {4.5, 0.6, 2, 0.2, 0.1, 28, 31, "its neighbour in the list", true, true},
+        {4.5, 0.6, 2, 0.2, 0.1, 28, 0, "whole again", true, true},
+        {4.5, 0.6, 2, 0.9, 0.1, 28, 40, "the ball moved and one split", false, true},
+        {4.5, 0.6, 2, 0.9, 0.1, 28, 41, "another one there", true, true},
     };
     mcv_renderer *renderer = mcv_renderer_new();
     (void)state;
@@ -87,7 +125,7 @@ static bool enough_at_16(void *user, const mcv_film *film) {
 }
 
 static void test_enough(void **state) {
-    const setup s = {4, 0.3, 1, 0, 0, 8, "", false, false};
+    const setup s = {4, 0.3, 1, 0, 0, 8, 0, "", false, false};
     mcv_scene *scene = make_scene(&s);
     mcv_render_options options = mcv_render_defaults();
     mcv_film film;
@@ -107,7 +145,7 @@ static void test_enough(void **state) {
 
 /* A scene that cannot be rendered leaves a renderer that can. */
 static void test_goes_on_after_a_failure(void **state) {
-    const setup s = {4, 0.3, 1, 0, 0, 8, "", false, false};
+    const setup s = {4, 0.3, 1, 0, 0, 8, 0, "", false, false};
     mcv_scene *scene = make_scene(&s);
     mcv_renderer *renderer = mcv_renderer_new();
     mcv_render_options options = mcv_render_defaults();
