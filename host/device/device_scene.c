@@ -197,11 +197,13 @@ void mcv_device_scene_close(mcv_device_scene *device) {
 void mcv_frame_thin_light(mcv_frame *frame, uint32_t log2_thinning) {
     const uint64_t pixels = mcv_tiled_pixels(frame->width, frame->height);
     frame->log2_thinning = log2_thinning;
-    frame->light_density = (float)(M_PI * (double)(pixels >> log2_thinning));
+    frame->light_density =
+        log2_thinning == MCV_NO_LIGHT_PATHS ? 0 : (float)(M_PI * (double)(pixels >> log2_thinning));
 }
 
 double mcv_frame_splat_value(const mcv_frame *frame) {
     const uint64_t pixels = mcv_tiled_pixels(frame->width, frame->height);
+    if (frame->log2_thinning == MCV_NO_LIGHT_PATHS) return 0;
     return 1 / ((double)frame->splat_scale * (double)(pixels >> frame->log2_thinning));
 }
 

@@ -83,10 +83,11 @@ void mcv_device_scene_arguments(const mcv_device_scene *device,
 /* The splats have room for at least so many replicates: a pilot's. */
 enum { MCV_LIGHT_REPLICATES = 4 };
 
-/* From now on, a light path starts for every 2^log2_thinning-th pixel of the frame. */
+/* From now on, a light path starts for every 2^log2_thinning-th pixel of the frame, or none does:
+ * MCV_NO_LIGHT_PATHS, which mcv_camera_finds_light must allow. */
 void mcv_frame_thin_light(mcv_frame *frame, uint32_t log2_thinning);
 
-/* What one unit of the splats adds to a pixel's sum of samples. */
+/* What one unit of the splats adds to a pixel's sum of samples; 0 without light paths. */
 double mcv_frame_splat_value(const mcv_frame *frame);
 
 #endif

@@ -313,6 +313,15 @@ uint32_t mcv_light_thinning(const mcv_packed *packed, const mcv_sensor *sensor) 
     return thinning;
 }
 
+bool mcv_camera_finds_light(const mcv_packed *packed) {
+    for (uint32_t i = 0; i < packed->emitter_count; ++i) {
+        const mcv_device_emitter *e = &packed->emitters[i];
+        if (e->light_flux > 0 && !is_aimed(e->type) && e->type != MCV_EMITTER_PROJECTOR)
+            return false;
+    }
+    return true;
+}
+
 bool mcv_traces_light(const mcv_packed *packed, const mcv_sensor *sensor) {
     const double *m = sensor->to_world.m;
     const double depth = greatest_depth(packed, sensor);

@@ -27,7 +27,14 @@ double mcv_write_cdf(uint32_t *cdf, uint32_t count, const double *values);
  */
 uint32_t mcv_light_thinning(const mcv_packed *packed, const mcv_sensor *sensor);
 
-enum { MCV_MOST_THINNING = 6 }; /* pixels come in blocks of 2^6 */
+enum {
+    MCV_MOST_THINNING = 6, /* pixels come in blocks of 2^6 */
+    MCV_NO_LIGHT_PATHS,    /* in place of a k: there are none */
+};
+
+/* Do camera paths find the light of all emitters that have light paths? These can then be left
+ * out. */
+bool mcv_camera_finds_light(const mcv_packed *packed);
 
 /* Do light paths contribute light to this sensor that camera paths miss, or find with more
  * noise? */

@@ -245,9 +245,9 @@ enum {
       "on: at glass, sheets and beam splitters follow both the reflected and the transmitted " \
       "path; off: follow one of them at random") \
     X(choice, light_paths, "light-paths", 0, "auto|on|off", MCV_IN_PROGRAMS, "auto", 0, 0, \
-      "light paths from emitters: auto: `render` measures how many are worth their time, other " \
-      "commands trace as many as `on` does; on: as many as the scene's geometry suggests; off: " \
-      "none, then caustics of lights without extent are missing") \
+      "light paths from emitters: auto: `render` measures how many are worth their time, or that " \
+      "none are, other commands trace as many as `on` does; on: as many as the scene's geometry " \
+      "suggests; off: none, then caustics of lights without extent are missing") \
     X(count, seed, "seed", 0, "S", \
       MCV_IN_GREY | MCV_IN_COMPARE | MCV_IN_MATRICES | MCV_IN_EXPLAIN, "0", 0, UINT32_MAX, \
       "seed of the noise; the same seed gives the same bits; with one seed, all images of a " \

@@ -53,6 +53,12 @@ mcv_result mcv_upload_list(mcv_renderer *r, size_t count) {
                          &r->scene.listed, r->error);
 }
 
+/* Whether the block is one of one in `stride`. Multiples of the golden ratio have even remainders;
+ * every stride-th block would be a column of the image where stride divides its blocks. */
+static bool is_spread(uint32_t block, uint32_t stride) {
+    return block * 0x9e3779b9u <= UINT32_MAX / stride;
+}
+
 mcv_result mcv_list_pixels(mcv_renderer *r, uint32_t stride) {
     const mcv_film *film = r->film;
     const size_t count = (size_t)film->width * film->height;
@@ -66,7 +72,7 @@ mcv_result mcv_list_pixels(mcv_renderer *r, uint32_t stride) {
         const uint32_t first = listed;
         for (uint32_t i = 0; i < numbers; ++i) {
             size_t pixel;
-            if ((i >> 6) % stride == 0 && mcv_find_blocked_pixel(film, i, &pixel) &&
+            if (is_spread(i >> 6, stride) && mcv_find_blocked_pixel(film, i, &pixel) &&
                 (film->levels ? film->levels[pixel] : 0) == level)
                 r->listed[listed++] = (uint32_t)pixel;
         }

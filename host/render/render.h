@@ -68,7 +68,7 @@ typedef struct mcv_render_options {
     double seconds;       /* stop after this time; 0: never */
     uint32_t threads;     /* threads of the reference renderer; 0: all */
     bool no_light_paths;  /* no light tracing */
-    bool light_pilot;     /* trace as many light paths as a pilot finds worth their time */
+    bool light_pilot;     /* trace as many light paths as a pilot finds worth their time, or none */
     bool no_split;        /* follow reflection or transmission at random, not both */
     uint32_t adaptive;    /* MCV_ADAPTIVE_…: more samples for noisier pixels, if it pays */
     uint32_t slice;       /* paths per slice of the tile schedule, a multiple of 64; 0: default */
@@ -105,6 +105,9 @@ typedef struct mcv_render_stats {
     uint64_t unmatched; /* exits from a medium that the path had not entered */
     uint64_t saturated; /* light paths that would exceed the range of a pixel's sum */
     double seconds_build, seconds_compile, seconds_first_sample, seconds_render;
+    double light_paths; /* for each sample, on average */
+    double light_ratio; /* a pilot's: time to an error without light paths, over that with the best
+                           number of them; 0: not known */
     bool kept_structure, kept_program; /* reused from the previous render (mcv_renderer) */
     uint32_t stage_count; /* the tile schedule has all its stages in one kernel; the reference has
                              none */

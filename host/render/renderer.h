@@ -167,9 +167,21 @@ mcv_result mcv_show_early(mcv_renderer *r);
 uint32_t mcv_best_thinning(double camera_variance, double light_variance, double camera_time,
                            double light_time, uint32_t begun);
 
-/* Before the first samples: decides by a pilot how many light paths there are, if the options ask
- * for it. The image shares no random number with the pilot, so that it is unbiased. */
+/*
+ * The squares that camera paths without light paths lack in a pilot's sum of them, because they have
+ * missed rare light of which light paths know. missed: that light; uncertain: its standard
+ * deviation; brightest: the most that a path can meet. Light in portions of at most b has squares of
+ * at most b times its sum.
+ */
+double mcv_missed_squares(double missed, double uncertain, double brightest);
+
+/* Before the first samples: decides by a pilot how many light paths there are, or that there are
+ * none, if the options ask for it. The image shares no random number with the pilot, so that it is
+ * unbiased. */
 mcv_result mcv_allocate_light(mcv_renderer *r);
+
+/* Writes into the statistics how many there are. */
+void mcv_count_light_paths(mcv_renderer *r);
 
 /* pilot.c */
 
@@ -177,7 +189,7 @@ mcv_result mcv_allocate_light(mcv_renderer *r);
 #define MCV_PILOT_SEED 0x7f4a7c15u
 
 /* Lists the pixels by their levels, all in one class where these are not known; of blocks of 8 x 8
- * pixels every stride-th. */
+ * pixels one in `stride`, spread over the image. */
 mcv_result mcv_list_pixels(mcv_renderer *r, uint32_t stride);
 
 /* Gives the device the first `count` of r->listed, and frames their numbers. */

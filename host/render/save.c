@@ -45,6 +45,7 @@ mcv_result mcv_resume(mcv_renderer *r) {
     if (r->film->splats) {
         memcpy(r->splats, u->round->splats ? u->round->splats : r->film->splats, 8 * values);
         mcv_frame_thin_light(&r->frame, u->thinning);
+        mcv_count_light_paths(r);
     }
     return r->film->levels ? mcv_begin_levels(r) : MCV_OK;
 }

@@ -302,7 +302,7 @@ mcv_result mcv_schedule_guide(mcv_schedule *schedule, const mcv_frame *frame,
 /* Launches as many light paths as the frame has paths; their counters are added. */
 static mcv_result start_light(mcv_schedule *s, const mcv_frame *frame, mcv_error *error) {
     mcv_arg arguments[MCV_SCENE_ARGUMENTS + 2];
-    if (!traces_light(s)) return MCV_OK;
+    if (!traces_light(s) || !(frame->light_density > 0)) return MCV_OK;
     mcv_device_scene_arguments(s->scene, arguments);
     arguments[MCV_SCENE_ARGUMENTS] = MCV_ARG(s->scene->splats);
     arguments[MCV_SCENE_ARGUMENTS + 1] = MCV_ARG(s->counters);

@@ -10,7 +10,7 @@
 typedef struct mcv_unfinished {
     const mcv_film *film; /* of complete rounds */
     const mcv_round *round;
-    uint32_t thinning; /* log2 of pixels for one light path */
+    uint32_t thinning; /* log2 of pixels for one light path, or MCV_NO_LIGHT_PATHS */
     bool decided;      /* about adaptive sampling */
     double seconds;    /* since the begin of the render, those before it was resumed included */
     const mcv_render_stats

@@ -52,10 +52,16 @@ static json_t *stages(const mcv_summary *s) {
     return object;
 }
 
+static json_t *light_paths(const mcv_render_stats *stats) {
+    return json_pack("{s:o, s:o}", "per_sample", number(stats->light_paths), "time_without",
+                     number(stats->light_ratio > 0 ? stats->light_ratio : (double)NAN));
+}
+
 mcv_result mcv_summary_json(const mcv_summary *s, char **text, mcv_error *error) {
     json_t *object = json_pack(
-        "{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, "
-        "s:o, s:o, s:o, s:o, s:b, s:b, s:o}",
+        "{s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, s:o, "
+        "s:o, "
+        "s:o, s:o, s:o, s:o, s:b, s:b, s:o, s:o}",
         "scene", string(s->scene), "sensor", string(s->sensor), "image", string(s->image_path),
         "preview", string(s->preview_path), "device", string(s->stats.device), "features",
         words(s->stats.features), "width", integer(s->width), "height", integer(s->height),
@@ -64,11 +70,20 @@ mcv_result mcv_summary_json(const mcv_summary *s, char **text, mcv_error *error)
         "error", number(s->error), "mean", number(s->mean), "white", number(s->preview.white),
         "saturated", number(s->preview.saturated), "lost_energy", number(s->stats.lost_energy),
         "nonfinite", integer(s->stats.nonfinite), "unmatched", integer(s->stats.unmatched),
-        "interrupted", (int)s->stats.interrupted, "adaptive", (int)s->adaptive, "error_of_rest",
-        number(s->error_of_rest));
+        "interrupted", (int)s->stats.interrupted, "adaptive", (int)s->adaptive, "light_paths",
+        light_paths(&s->stats), "error_of_rest", number(s->error_of_rest));
     *text = object ? json_dumps(object, JSON_REAL_PRECISION(12)) : NULL;
     json_decref(object);
     return *text ? MCV_OK : mcv_fail(error, MCV_FAILED, "no memory for the JSON summary");
+}
+
+/* Where a pilot has found that they do not pay. */
+static void print_light_paths(FILE *out, const mcv_render_stats *stats) {
+    if (stats->light_paths > 0 || !(stats->light_ratio > 0)) return;
+    fprintf(out,
+            "  without light paths, which a pilot has found to take %.2g times as long to an error "
+            "(--light-paths)\n",
+            1 / stats->light_ratio);
 }
 
 /* The sentences about light that is missing from the image. */
@@ -123,6 +138,7 @@ mcv_result mcv_summary_text(const mcv_summary *s, char **text, mcv_error *error)
     if (isfinite(s->error) && s->error_of_rest < s->error / 2)
         fprintf(out, "  without the %d %s of the largest error it is %.2g %%\n", MCV_FILM_WORST,
                 s->channels > 1 ? "values" : "pixels", 100 * s->error_of_rest);
+    print_light_paths(out, &s->stats);
     print_losses(out, &s->stats);
     print_name(out, "  ", s->image_path, "\n");
     print_name(out, "  ", s->preview_path, "\n");

@@ -3,6 +3,7 @@
 
 #include "core/basics.h"
 #include "core/json.h"
+#include "device/light.h"
 #include "options/option_table.h"
 #include "scene/sensor_find.h"
 #include "scene/sensors.h"
@@ -198,7 +199,7 @@ static mcv_result read_state(const char *path, mcv_checkpoint *c, mcv_error *err
         c->file.round.count == 0)
         return mcv_fail(error, MCV_BAD_INPUT,
                         "%s: is the film of a finished render, which cannot be continued", path);
-    MCV_TRY(mcv_json_uint(object, "thinning", 0, 6, &thinning, &state, error));
+    MCV_TRY(mcv_json_uint(object, "thinning", 0, MCV_NO_LIGHT_PATHS, &thinning, &state, error));
     MCV_TRY(mcv_json_bool(object, "decided", &u->decided, &state, error));
     MCV_TRY(mcv_json_number(object, "seconds", 0, 1e12, &u->seconds, &state, error));
     MCV_TRY(read_stats(json_object_get(facts, "stats"), &stats, &c->stats, error));

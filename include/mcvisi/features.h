@@ -60,8 +60,9 @@
     X(PUPIL_GUIDE, "aim", \
       "pupil guiding: the cone of a parallel emitter is narrower than the sensor's pupil") \
     X(LIGHT_TRACING, "light-tracing", \
-      "light tracing: emitters light scattering surfaces, or a beam reaches the lens, by way of " \
-      "smooth surfaces") \
+      "light tracing (`render` measures whether it pays): emitters light scattering surfaces, or " \
+      "a " \
+      "beam reaches the lens, by way of smooth surfaces") \
     X(MIXED, "mixed", \
       "--precision mixed: hits on smooth surfaces and directions behind them are computed in " \
       "double") \

@@ -65,7 +65,7 @@ typedef struct mcv_frame {
     float splat_scale; /* splat units per pixel value, a power of two */
     uint solid_count;
     uint log2_thinning;     /* k: one light path starts for every 2^k-th pixel */
-    float light_density;    /* π times the light paths per sample */
+    float light_density;    /* π times the light paths per sample; 0: there are none */
     float to_world_low[12]; /* to_world minus its rounding to float */
     uint listed;            /* 1: the sets belong to the pixels of a list, in its order */
     uint ball_count;

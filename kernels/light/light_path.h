@@ -6,6 +6,12 @@
 #include "mcvisi/light_cone.h"
 #include "light/emission.h"
 
+/* Are there light paths of the emitter? None of those that camera paths find, too, are traced where
+ * the frame has no density of them. */
+MCV_LOOP_FUNCTION int mcv_has_light_paths(mcv_world world, uint emitter) {
+    return (world.emitters[emitter].light_flux > 0.0f) & (world.frame->light_density > 0.0f);
+}
+
 #if MCV_WITH_EMISSION
 /* The cone into which an emitter's surface emits, or a larger one. */
 MCV_LOOP_FUNCTION mcv_cone mcv_own_cone(__global const mcv_device_emitter *e, mcv_vec3 normal) {

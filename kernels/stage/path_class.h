@@ -13,7 +13,7 @@ MCV_FUNCTION float mcv_camera_share(mcv_world world, mcv_slot slot, mcv_interact
                                     uint emitter) {
 #if MCV_WITH_EMISSION
     if (MCV_WORD(slot, path_class, 0) != MCV_PATH_CLASS_CARRIED ||
-        !(world.emitters[emitter].light_flux > 0.0f))
+        !mcv_has_light_paths(world, emitter))
         return 1.0f;
     const float etendue = mcv_light_etendue(world, interaction.surface, emitter,
                                             mcv_scale(interaction.direction, -1.0f));

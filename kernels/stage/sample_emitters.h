@@ -21,6 +21,7 @@
 #include "light/emitter_element.h"
 #include "light/emission.h"
 #include "light/emitter_point.h"
+#include "light/light_path.h"
 #include "light/selection.h"
 #include "light/tree.h"
 #include "path/identity.h"
@@ -121,7 +122,7 @@ MCV_LOOP_FUNCTION int mcv_leaves_to_light_paths(mcv_world world, mcv_slot slot, 
     const uint path_class = MCV_WORD(slot, path_class, 0);
     return near_specular &
            ((path_class == MCV_PATH_CLASS_DIFFUSE) | (path_class == MCV_PATH_CLASS_CARRIED)) &
-           (world.emitters[emitter].light_flux > 0.0f);
+           mcv_has_light_paths(world, emitter);
 }
 
 /* The emitter that the path samples, or MCV_NONE. */

@@ -8,6 +8,7 @@
 #include "light/emitter_element.h"
 #include "light/emission.h"
 #include "light/environment.h"
+#include "light/light_path.h"
 #include "light/selection.h"
 #include "light/tree.h"
 #include "stage/path_class.h"
@@ -60,7 +61,7 @@ MCV_LOOP_FUNCTION void mcv_add_emission(mcv_world world, mcv_slot slot,
         /* Near-specular surfaces have not sampled it (mcv_leaves_to_light_paths). */
         const int carried =
             MCV_WITH_LIGHT_TRACING && (MCV_WORD(slot, path_class, 0) == MCV_PATH_CLASS_CARRIED) &
-                                          (world.emitters[met->emitter].light_flux > 0.0f);
+                                          mcv_has_light_paths(world, met->emitter);
         const float density =
                         mcv_density_against(world, slot, met->emitter, mcv_path_density(slot)),
                     own = carried ? 0.0f : density, weight = mcv_power_heuristic(own, met->other);

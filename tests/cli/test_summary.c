@@ -30,6 +30,7 @@ static mcv_summary example(void) {
                   .shadow_rays = 5,
                   .nonfinite = 3,
                   .lost_energy = 0.0125,
+                  .light_paths = 0.25,
                   .depth_cut = 12,
                   .seconds_compile = 0.25,
                   .seconds_render = 12.34,
@@ -74,6 +75,9 @@ static void test_json_holds_what_was_given(void **state) {
     assert_true(number_at(object, NULL, "lost_energy") == 0.0125);
     assert_true(number_at(object, NULL, "error_of_rest") == 0.0083);
     assert_true(number_at(object, NULL, "saturated") == 0.005);
+    assert_true(number_at(object, "light_paths", "per_sample") == 0.25);
+    assert_true(
+        json_is_null(json_object_get(json_object_get(object, "light_paths"), "time_without")));
     assert_true(json_is_null(json_object_get(json_object_get(object, "seconds"), "write")));
     assert_true(json_is_false(json_object_get(object, "interrupted")));
     json_decref(object);
@@ -110,6 +114,12 @@ static void test_text_says_it_in_sentences(void **state) {
     s.error_of_rest = 0.0021; /* few pixels hold most of it */
     assert_int_equal(mcv_summary_text(&s, &text, &error), MCV_OK);
     assert_non_null(strstr(text, "\n  without the 16 pixels of the largest error it is 0.21 %\n"));
+    free(text);
+    s.stats.light_paths = 0; /* by a pilot, which measures their ratio */
+    s.stats.light_ratio = 0.5;
+    assert_int_equal(mcv_summary_text(&s, &text, &error), MCV_OK);
+    assert_non_null(strstr(text, "\n  without light paths, which a pilot has found to take 2 times "
+                                 "as long to an error (--light-paths)\n"));
     free(text);
 }
 
