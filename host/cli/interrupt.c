@@ -4,6 +4,7 @@
 #include "core/basics.h"
 #include "core/kernel_folder.h"
 
+#undef NDEBUG /* with it, <assert.h> does not declare what is defined below */
 #include <assert.h>
 #include <stdatomic.h>
 #include <stdio.h>
