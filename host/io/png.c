@@ -272,6 +272,23 @@ static char *description_of(png_structp png, png_infop info) {
     return NULL;
 }
 
+/* Whether a chunk of this name (NULL: that of the pixels) is there, and all before it are whole.
+ * What says how values are coded stands before the pixels. */
+static bool find_chunk(const uint8_t *bytes, size_t size, const char *name) {
+    /* Chunks: length, name, data, checksum. */
+    for (size_t at = 8; at <= size && size - at >= 12;) {
+        const uint8_t *chunk = bytes + at;
+        const bool is_pixels = memcmp(chunk + 4, "IDAT", 4) == 0;
+        if (is_pixels || (name && memcmp(chunk + 4, name, 4) == 0)) return is_pixels == !name;
+        at += 12 +
+              ((size_t)chunk[0] << 24 | (size_t)chunk[1] << 16 | (size_t)chunk[2] << 8 | chunk[3]);
+    }
+    return false;
+}
+
+/* Deflate makes at most so many bytes of one. */
+#define LARGEST_GAIN 1032
+
 /* Interleaved values in the machine's byte order, with alpha where the file has it. */
 static void decode(source *s) {
     png_structp png = png_create_read_struct(PNG_LIBPNG_VER_STRING, s, on_bad_input, on_warning);
@@ -284,6 +301,10 @@ static void decode(source *s) {
     if (setjmp(png_jmpbuf(png)) == 0) {
         png_set_read_fn(png, s, on_read);
         png_set_user_limits(png, 65536, 65536);
+        /* Else libpng asks for as much memory as a chunk says that it has. */
+        if (s->size >= 8 && png_sig_cmp(s->bytes, 0, 8) == 0 &&
+            !find_chunk(s->bytes, s->size, NULL))
+            png_error(png, "it ends early");
         png_read_info(png, info);
         s->description = description_of(png, info);
         png_set_expand(png);
@@ -295,6 +316,7 @@ static void decode(source *s) {
         s->channels = png_get_channels(png, info);
         s->bits = png_get_bit_depth(png, info);
         const size_t row = png_get_rowbytes(png, info);
+        if (row * s->height / LARGEST_GAIN > s->size) png_error(png, "it ends early");
         s->values = malloc(row * s->height);
         if (!s->values) png_error(png, "no memory for its pixels");
         const int passes = png_get_interlace_type(png, info) == PNG_INTERLACE_NONE ? 1 : 7;
@@ -307,18 +329,11 @@ static void decode(source *s) {
 
 bool mcv_png_is_srgb(const char *path) {
     unsigned char *bytes;
-    size_t size, at = 8;
+    size_t size;
     mcv_error ignored;
-    bool found = false;
     if (!mcv_ends_in(path, ".png") || mcv_file_load(path, &bytes, &size, &ignored) != MCV_OK)
         return false;
-    /* Chunks: length, name, data, checksum; what says how values are coded stands before the
-     * pixels. */
-    while (!found && at + 12 <= size && memcmp(bytes + at + 4, "IDAT", 4) != 0) {
-        found = memcmp(bytes + at + 4, "sRGB", 4) == 0;
-        at += 12 + ((size_t)bytes[at] << 24 | (size_t)bytes[at + 1] << 16 |
-                    (size_t)bytes[at + 2] << 8 | bytes[at + 3]);
-    }
+    const bool found = find_chunk(bytes, size, "sRGB");
     free(bytes);
     return found;
 }

@@ -1,12 +1,14 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "test.h"
 
+#include <arpa/inet.h>
 #include <math.h>
 #include <png.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <unistd.h>
+#include <zlib.h>
 
 #include "io/png.h"
 
@@ -184,6 +186,58 @@ static void test_failures_leave_no_file(void **state) {
     assert_int_equal(access(PATH, F_OK), -1);
 }
 
+/* Appends a chunk to a file: length, name, data, checksum. `length` may lie. */
+static void put_chunk(FILE *file, const char *name, const void *data, size_t size,
+                      uint32_t length) {
+    uint32_t sum = (uint32_t)crc32(0, (const Bytef *)name, 4);
+    if (size > 0) sum = (uint32_t)crc32(sum, data, (uInt)size);
+    const uint32_t words[2] = {htonl(length), htonl(sum)};
+    assert_int_equal(fwrite(words, 4, 1, file), 1);
+    assert_int_equal(fwrite(name, 4, 1, file), 1);
+    assert_int_equal(fwrite(data, 1, size, file), size);
+    assert_int_equal(fwrite(words + 1, 4, 1, file), 1);
+}
+
+/* The most addresses that the process has had. */
+static long peak_kilobytes(void) {
+    char line[256];
+    long peak = -1;
+    FILE *file = fopen("/proc/self/status", "r");
+    assert_non_null(file);
+    while (fgets(line, sizeof line, file))
+        if (strncmp(line, "VmPeak:", 7) == 0) peak = strtol(line + 7, NULL, 10);
+    assert_int_equal(fclose(file), 0);
+    assert_true(peak > 0);
+    return peak;
+}
+
+/* Files of less than 100 bytes that announce a gigabyte of text, and 32 GiB of pixels, are refused
+ * before there is memory for it. */
+static void test_small_files_take_little_memory(void **state) {
+    (void)state;
+    static const uint8_t signature[8] = {137, 80, 78, 71, 13, 10, 26, 10};
+    for (uint8_t side = 0; side < 2; ++side) {
+        /* Sides of 1 or 65536, big-endian; bits, RGBA, compression, filter, interlace. */
+        const uint8_t head[13] = {0, side, 0, !side, 0, side, 0, !side, 16, 6, 0, 0, 0};
+        const uint8_t data[8] = {0};
+        FILE *file = fopen(PATH, "wb");
+        assert_non_null(file);
+        assert_int_equal(fwrite(signature, 1, 8, file), 8);
+        put_chunk(file, "IHDR", head, sizeof head, sizeof head);
+        put_chunk(file, "tEXt", data, sizeof data, side ? (uint32_t)sizeof data : 0x40000000U);
+        put_chunk(file, "IDAT", data, sizeof data, sizeof data);
+        assert_int_equal(fclose(file), 0);
+        mcv_image image = {0};
+        mcv_error error = {""};
+        const long before = peak_kilobytes();
+        assert_int_equal(mcv_png_read_values(PATH, &image, &error), MCV_BAD_INPUT);
+        assert_string_equal(error.text, "test_png.png: damaged PNG file: it ends early");
+        const long more = peak_kilobytes() - before;
+        if (more > 65536) fail_msg("%ld kB were asked for", more); /* a sixteenth of the least */
+    }
+    assert_int_equal(unlink(PATH), 0);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_early_preview_is_enlarged),
@@ -192,6 +246,7 @@ int main(void) {
         cmocka_unit_test(test_white_level_is_the_quantile),
         cmocka_unit_test(test_grey_values_stay_as_they_are),
         cmocka_unit_test(test_failures_leave_no_file),
+        cmocka_unit_test(test_small_files_take_little_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
