@@ -22,7 +22,7 @@ MCV_FUNCTION uint mcv_hash_2(uint a, uint b) { return mcv_hash(a ^ (mcv_hash(b) 
 
 /* The cell, of `count`, that contains x in [0, 1]; x = 1 belongs to the last one. Values that
  * rounding puts outside belong to the nearest cell. */
-MCV_FUNCTION uint mcv_cell(float x, uint count) {
+MCV_LOOP_FUNCTION uint mcv_cell(float x, uint count) {
     const float at = x * (float)count;
     const uint i = at > 0.0f ? (uint)at : 0u;
     return i < count ? i : count - 1u;

@@ -34,7 +34,7 @@ MCV_LOOP_FUNCTION float mcv_texel_value(mcv_world world, __global const mcv_devi
 }
 
 /* A texel of an image, by its column and row. */
-MCV_FUNCTION mcv_color mcv_texel(mcv_world world, uint index, uint column, uint row) {
+MCV_LOOP_FUNCTION mcv_color mcv_texel(mcv_world world, uint index, uint column, uint row) {
     __global const mcv_device_texture *texture = world.textures + index;
     mcv_color color;
     MCV_EACH_CHANNEL(i)

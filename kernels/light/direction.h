@@ -86,27 +86,37 @@ MCV_LOOP_FUNCTION mcv_shadow mcv_sample_parallel(mcv_world world, mcv_receiver a
 #endif
 
 #if MCV_WITH_ENVIRONMENT_IMAGE && MCV_WITH_TEXTURE
-/* A pixel by what it brings, then a direction into it. What rounding puts into a neighbouring pixel
- * counts as that one's. */
+/* A direction into a pixel that was chosen by the same pair. What rounding puts into a neighbouring
+ * pixel counts as that one's. */
+MCV_LOOP_FUNCTION mcv_shadow mcv_sample_sky_pixel(mcv_world world, mcv_receiver at,
+                                                  __global const mcv_device_emitter *e,
+                                                  mcv_pixel chosen, mcv_pair pair) {
+    const float across = mcv_cdf_remainder(mcv_environment_row(world, e, chosen.row), chosen.column,
+                                           mcv_cdf_bits(pair.x, pair.y)),
+                down = mcv_cdf_remainder(world.emitter_cdf + e->cdf, chosen.row,
+                                         mcv_cdf_bits(pair.y, pair.x));
+    mcv_shadow shadow = mcv_shadow_along(
+        at, mcv_environment_sample(&e->environment, chosen.column, chosen.row, across, down),
+        MCV_SKY, 0.0f);
+    const mcv_pixel pixel = mcv_sky_pixel_at(e, shadow.direction);
+    const mcv_color radiance = mcv_pixel_radiance(world, e, pixel);
+    shadow.density = mcv_environment_density(world, e, pixel);
+    const float share = 1.0f / shadow.density;
+    MCV_EACH_CHANNEL(i)
+    shadow.light.c[i] = shadow.density > 0.0f ? radiance.c[i] * share : 0.0f;
+    return shadow;
+}
+
+/* A pixel by what it brings, then a direction into it. */
 MCV_FUNCTION mcv_shadow mcv_sample_environment(mcv_world world, mcv_receiver at,
                                                __global const mcv_device_emitter *e,
                                                mcv_pair pair) {
-    const uint row_bits = mcv_cdf_bits(pair.y, pair.x), column_bits = mcv_cdf_bits(pair.x, pair.y);
-    __global const uint *rows = world.emitter_cdf + e->cdf;
-    const uint row = mcv_search_cdf(rows, e->environment.height, row_bits);
-    __global const uint *columns = mcv_environment_row(world, e, row);
-    const uint column = mcv_search_cdf(columns, e->environment.width, column_bits);
-    mcv_shadow shadow =
-        mcv_shadow_along(at,
-                         mcv_environment_sample(&e->environment, column, row,
-                                                mcv_cdf_remainder(columns, column, column_bits),
-                                                mcv_cdf_remainder(rows, row, row_bits)),
-                         MCV_SKY, 0.0f);
-    const mcv_pixel pixel = mcv_sky_pixel_at(e, shadow.direction);
-    shadow.density = mcv_environment_density(world, e, pixel);
-    if (shadow.density > 0.0f)
-        shadow.light = mcv_dim(mcv_pixel_radiance(world, e, pixel), 1.0f / shadow.density);
-    return shadow;
+    mcv_pixel chosen;
+    chosen.row = mcv_search_cdf(world.emitter_cdf + e->cdf, e->environment.height,
+                                mcv_cdf_bits(pair.y, pair.x));
+    chosen.column = mcv_search_cdf(mcv_environment_row(world, e, chosen.row), e->environment.width,
+                                   mcv_cdf_bits(pair.x, pair.y));
+    return mcv_sample_sky_pixel(world, at, e, chosen, pair);
 }
 #endif
 

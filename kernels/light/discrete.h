@@ -9,7 +9,7 @@
  * A number xi has 24 bits, too few for the triangles of a large mesh: 7 more are the last ones of
  * another number, whose first ones alone matter where that is used.
  */
-MCV_FUNCTION uint mcv_cdf_bits(float xi, float other) {
+MCV_LOOP_FUNCTION uint mcv_cdf_bits(float xi, float other) {
     return (uint)(xi * 2147483648.0f) | ((uint)(other * 16777216.0f) & 127u);
 }
 
@@ -50,7 +50,7 @@ MCV_FUNCTION uint mcv_search_cdf(MCV_GLOBAL const uint *cdf, uint count, uint bi
  * another: the power heuristic of exponent 2 (Veach 1997, 9.2.4). The balance heuristic leaves a
  * share of small lights to the few paths that meet them by chance, and their noise with it.
  */
-MCV_FUNCTION float mcv_power_heuristic(float own, float other) {
+MCV_LOOP_FUNCTION float mcv_power_heuristic(float own, float other) {
     const float ratio = other / own; /* whose square may be infinite: no weight */
     return 1.0f / mcv_fma(ratio, ratio, 1.0f);
 }

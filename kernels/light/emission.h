@@ -36,8 +36,9 @@ MCV_FUNCTION int mcv_find_projector_pixel(mcv_world world, mcv_surface surface,
 
 #if MCV_WITH_TEXTURE
 /* What an emitter sends through a pixel of its image. */
-MCV_FUNCTION mcv_color mcv_pixel_radiance(mcv_world world, __global const mcv_device_emitter *e,
-                                          mcv_pixel pixel) {
+MCV_LOOP_FUNCTION mcv_color mcv_pixel_radiance(mcv_world world,
+                                               __global const mcv_device_emitter *e,
+                                               mcv_pixel pixel) {
     return mcv_tint(mcv_texel(world, e->texture, pixel.column, pixel.row),
                     mcv_color_at(e->radiance));
 }

@@ -10,14 +10,15 @@
 
 #if MCV_WITH_ENVIRONMENT_IMAGE && MCV_WITH_TEXTURE
 /* The one that lies in a unit direction. */
-MCV_FUNCTION mcv_pixel mcv_sky_pixel_at(__global const mcv_device_emitter *e, mcv_vec3 direction) {
+MCV_LOOP_FUNCTION mcv_pixel mcv_sky_pixel_at(__global const mcv_device_emitter *e,
+                                             mcv_vec3 direction) {
     mcv_pixel pixel;
     mcv_environment_pixel(&e->environment, direction, &pixel.column, &pixel.row);
     return pixel;
 }
 
 /* The cumulative shares of a row's pixels; those of the rows come first. */
-MCV_FUNCTION __global const uint *
+MCV_LOOP_FUNCTION __global const uint *
 mcv_environment_row(mcv_world world, __global const mcv_device_emitter *e, uint row) {
     return world.emitter_cdf + e->cdf + e->environment.height + 1u +
            row * (e->environment.width + 1u);
@@ -25,8 +26,8 @@ mcv_environment_row(mcv_world world, __global const mcv_device_emitter *e, uint 
 
 /* The density [1/sr] with which next-event estimation chooses a direction into a pixel of the sky.
  */
-MCV_FUNCTION float mcv_environment_density(mcv_world world, __global const mcv_device_emitter *e,
-                                           mcv_pixel pixel) {
+MCV_LOOP_FUNCTION float
+mcv_environment_density(mcv_world world, __global const mcv_device_emitter *e, mcv_pixel pixel) {
     const float share = mcv_cdf_share(world.emitter_cdf + e->cdf, pixel.row) *
                         mcv_cdf_share(mcv_environment_row(world, e, pixel.row), pixel.column);
     return e->probability * share / mcv_environment_solid_angle(&e->environment, pixel.row);
@@ -37,8 +38,8 @@ MCV_FUNCTION float mcv_environment_density(mcv_world world, __global const mcv_d
  * The environment's light along a ray that met nothing, L/n². The power heuristic weights its image
  * against next-event estimation. `density` is that of the ray's choice, 0 for smooth surfaces.
  */
-MCV_FUNCTION mcv_color mcv_environment_seen(mcv_world world, mcv_vec3 direction, uint media,
-                                            float density) {
+MCV_LOOP_FUNCTION mcv_color mcv_environment_seen(mcv_world world, mcv_vec3 direction, uint media,
+                                                 float density) {
     mcv_color light = mcv_grey(0.0f);
 #if MCV_WITH_ENVIRONMENT
     MCV_EACH_CHANNEL(i) light.c[i] = world.frame->environment[i];
@@ -48,9 +49,8 @@ MCV_FUNCTION mcv_color mcv_environment_seen(mcv_world world, mcv_vec3 direction,
     const mcv_pixel pixel = mcv_sky_pixel_at(e, direction);
     light = mcv_pixel_radiance(world, e, pixel);
 #if MCV_WITH_NEXT_EVENT
-    if (density > 0.0f)
-        light =
-            mcv_dim(light, mcv_power_heuristic(density, mcv_environment_density(world, e, pixel)));
+    const float weight = mcv_power_heuristic(density, mcv_environment_density(world, e, pixel));
+    light = mcv_dim(light, density > 0.0f ? weight : 1.0f);
 #endif
 #endif
     (void)direction, (void)density;

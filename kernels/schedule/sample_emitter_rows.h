@@ -10,6 +10,7 @@
 
 #include "schedule/compact.h"
 #include "schedule/make_shadow_rows.h"
+#include "schedule/sample_direction_rows.h"
 #include "schedule/select_emitter_rows.h"
 #include "schedule/surface_rows.h"
 #include "schedule/vectorize.h"
@@ -33,42 +34,6 @@ MCV_BATCH void mcv_sample_emitter_alone(mcv_world world, mcv_slot slot) {
                    mcv_sample_towards(world, at, emitter, mcv_draw(slot, 0, MCV_PAIR_EMITTER)));
 }
 #endif
-
-/* Whether chosen paths, in ascending order, lie side by side: these are then read as rows. */
-MCV_FUNCTION int mcv_is_row(const uint *chosen, uint count) {
-    return chosen[count - 1u] - chosen[0] == count - 1u;
-}
-
-/* The type of the emitter is known to the compiler, and whether the paths are a row. */
-MCV_LOOP_FUNCTION void mcv_sample_direction_row(mcv_world world, mcv_slot slot, uint emitter,
-                                                uint type, const uint *chosen, uint count,
-                                                int row) {
-    __global const mcv_device_emitter *e = world.emitters + emitter;
-    const uint first = chosen[0];
-    MCV_VECTORIZE
-    for (uint i = 0; i < count; ++i) {
-        slot.index = row ? first + i : chosen[i];
-        const mcv_receiver at = mcv_receiver_of(mcv_make_interaction(world, slot));
-        mcv_put_shadow(
-            world, slot, at, emitter,
-            mcv_sample_direction(world, at, e, type, mcv_draw(slot, 0, MCV_PAIR_EMITTER)));
-    }
-}
-
-/* The chosen paths sample an emitter in a direction. */
-MCV_BATCH void mcv_sample_directions(mcv_world world, mcv_slot slot, uint emitter,
-                                     const uint *chosen, uint count) {
-    const uint type = world.emitters[emitter].type;
-    const int row = mcv_is_row(chosen, count);
-#define MCV_X(TYPE, sample) \
-    if (type == TYPE && row) \
-        mcv_sample_direction_row(world, slot, emitter, TYPE, chosen, count, 1); \
-    else if (type == TYPE) \
-        mcv_sample_direction_row(world, slot, emitter, TYPE, chosen, count, 0);
-    MCV_DIRECTION_SAMPLERS(MCV_X)
-#undef MCV_X
-    (void)slot, (void)type, (void)row;
-}
 
 #if MCV_WITH_EMISSION
 /* `found` holds the triangles that the paths have chosen unless the emitter is a rectangle. Whether

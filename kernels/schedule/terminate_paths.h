@@ -37,7 +37,7 @@ MCV_BATCH uint mcv_set_apart(const uint *paths, const uint *classes, uint class,
 /* Ends the paths that have met nothing. */
 MCV_BATCH uint mcv_shade_misses(mcv_world world, uint *apart, uint count, float *values) {
     uint nonfinite = 0;
-#if !MCV_WITH_ENVIRONMENT_IMAGE && !MCV_WITH_RECORDS
+#if !MCV_WITH_RECORDS
     MCV_VECTORIZE
 #endif
     MCV_EACH_PATH (slot, apart, 0, count) {
