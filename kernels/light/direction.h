@@ -86,15 +86,20 @@ MCV_LOOP_FUNCTION mcv_shadow mcv_sample_parallel(mcv_world world, mcv_receiver a
 #endif
 
 #if MCV_WITH_ENVIRONMENT_IMAGE && MCV_WITH_TEXTURE
+/* The numbers by which the sky's rows are searched, and the columns of a row. */
+MCV_LOOP_FUNCTION uint mcv_sky_row_bits(mcv_pair pair) { return mcv_cdf_bits(pair.y, pair.x); }
+
+MCV_LOOP_FUNCTION uint mcv_sky_column_bits(mcv_pair pair) { return mcv_cdf_bits(pair.x, pair.y); }
+
 /* A direction into a pixel that was chosen by the same pair. What rounding puts into a neighbouring
  * pixel counts as that one's. */
 MCV_LOOP_FUNCTION mcv_shadow mcv_sample_sky_pixel(mcv_world world, mcv_receiver at,
                                                   __global const mcv_device_emitter *e,
                                                   mcv_pixel chosen, mcv_pair pair) {
     const float across = mcv_cdf_remainder(mcv_environment_row(world, e, chosen.row), chosen.column,
-                                           mcv_cdf_bits(pair.x, pair.y)),
+                                           mcv_sky_column_bits(pair)),
                 down = mcv_cdf_remainder(world.emitter_cdf + e->cdf, chosen.row,
-                                         mcv_cdf_bits(pair.y, pair.x));
+                                         mcv_sky_row_bits(pair));
     mcv_shadow shadow = mcv_shadow_along(
         at, mcv_environment_sample(&e->environment, chosen.column, chosen.row, across, down),
         MCV_SKY, 0.0f);
@@ -112,10 +117,10 @@ MCV_FUNCTION mcv_shadow mcv_sample_environment(mcv_world world, mcv_receiver at,
                                                __global const mcv_device_emitter *e,
                                                mcv_pair pair) {
     mcv_pixel chosen;
-    chosen.row = mcv_search_cdf(world.emitter_cdf + e->cdf, e->environment.height,
-                                mcv_cdf_bits(pair.y, pair.x));
+    chosen.row =
+        mcv_search_cdf(world.emitter_cdf + e->cdf, e->environment.height, mcv_sky_row_bits(pair));
     chosen.column = mcv_search_cdf(mcv_environment_row(world, e, chosen.row), e->environment.width,
-                                   mcv_cdf_bits(pair.x, pair.y));
+                                   mcv_sky_column_bits(pair));
     return mcv_sample_sky_pixel(world, at, e, chosen, pair);
 }
 #endif

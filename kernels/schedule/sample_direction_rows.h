@@ -24,7 +24,7 @@ MCV_BATCH void mcv_find_sky_pixels(mcv_world world, mcv_slot slot,
             slot.index = chosen[i];
             const mcv_pair drawn = mcv_draw(slot, 0, MCV_PAIR_EMITTER);
             rows[i] = mcv_cdf_step(world.emitter_cdf + e->cdf, height, rows[i], digit,
-                                   mcv_cdf_bits(drawn.y, drawn.x));
+                                   mcv_sky_row_bits(drawn));
         }
     }
     for (uint digit = mcv_cdf_digit(width); digit > 0; digit /= 2) {
@@ -33,7 +33,7 @@ MCV_BATCH void mcv_find_sky_pixels(mcv_world world, mcv_slot slot,
             slot.index = chosen[i];
             const mcv_pair drawn = mcv_draw(slot, 0, MCV_PAIR_EMITTER);
             columns[i] = mcv_cdf_step(mcv_environment_row(world, e, rows[i]), width, columns[i],
-                                      digit, mcv_cdf_bits(drawn.x, drawn.y));
+                                      digit, mcv_sky_column_bits(drawn));
         }
     }
 }
