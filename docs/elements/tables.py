@@ -82,6 +82,8 @@ def kind(part):
         return "name or index"
     if one["type"] == "array":
         items = one["items"]
+        if items.get("minItems") == 2:
+            return "2 to %d pairs" % one["maxItems"]
         if items.get("type") == "array":
             return "up to %d rows of numbers: 0 … 1" % one["maxItems"]
         return "list" if "properties" in items else \

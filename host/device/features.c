@@ -322,7 +322,10 @@ uint64_t mcv_decide_features(const mcv_scene *scene, const mcv_packed *packed,
         add(&f, MCV_FEATURE_MOTION, needs_time, "sensor", sensor->name);
         add(&f, MCV_FEATURE_APERTURE, mcv_sensor_aperture(sensor).shape != MCV_APERTURE_DISC,
             "sensor", sensor->name);
-        add(&f, MCV_FEATURE_DISTORTION, mcv_lens_map_is_used(&map), "sensor", sensor->name);
+        add(&f, MCV_FEATURE_DISTORTION,
+            mcv_lens_map_is_used(&map) || (sensor->type == MCV_SENSOR_TELECENTRIC &&
+                                           sensor->as.telecentric.relativeIllumination.count > 0),
+            "sensor", sensor->name);
         add(&f, MCV_FEATURE_PUPIL_GUIDE, guiding && !needs_time, "emitter", guiding);
         add(&f, MCV_FEATURE_LIGHT_TRACING, !needs_time && mcv_traces_light(packed, sensor),
             "sensor", sensor->name);

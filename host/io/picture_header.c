@@ -72,7 +72,8 @@ uint32_t mcv_header_attributes(const mcv_sensor *sensor,
                            .count = (uint32_t)mcv_param_components(param->kind)};
         if (param->kind == MCV_PARAM_choice || param->kind == MCV_PARAM_flag ||
             param->kind == MCV_PARAM_image || param->kind == MCV_PARAM_pattern ||
-            param->kind == MCV_PARAM_mask)
+            param->kind == MCV_PARAM_mask || param->kind == MCV_PARAM_curve ||
+            param->kind == MCV_PARAM_text)
             continue; /* of the scene */
         if (mcv_param_unset(param, &sensor->as)) continue;
         snprintf(names[count], MCV_EXR_ATTRIBUTE_NAME, "mcvisi:%s", param->key);

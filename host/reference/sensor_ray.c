@@ -6,6 +6,7 @@
 #include "scene/aperture.h"
 #include "scene/lens_map.h"
 #include "scene/motion.h"
+#include "scene/param_lists.h"
 #include "scene/sensors.h"
 
 typedef struct point {
@@ -232,13 +233,19 @@ static ref_sensor_ray telecentric(const mcv_sensor *sensor, uint32_t column, uin
     const point s = FILM_POINT(p, column + x, row + y);
     const point a = on_disk(p->stopDiameter / 2, u, v);
     const mcv_lens_map map = mcv_sensor_lens_map(sensor);
-    if (mcv_lens_map_is_used(&map)) return distorted_telecentric(sensor, &map, s, a);
+    const double falls = mcv_curve_at(&p->relativeIllumination, hypot(s.x, s.y));
+    if (mcv_lens_map_is_used(&map)) {
+        ref_sensor_ray distorted = distorted_telecentric(sensor, &map, s, a);
+        distorted.weight *= falls;
+        return distorted;
+    }
     const point o = {s.x + (a.x - s.x) * b / (b - f),
                      s.y + (a.y - s.y) * b / (b - f)}; /* the line s a at the lens */
     const ref_vec d = through_focus(s, o, f, b);
     ref_sensor_ray sensor_ray = in_world(sensor, o, d);
     if (p->radiometry == MCV_RADIOMETRY_IRRADIANCE)
         sensor_ray.weight =
+            falls *
             throughput(p->falloff, M_PI * p->stopDiameter * p->stopDiameter / 4, b - f, d, s, a);
     if (hypot(o.x, o.y) > p->lensDiameter / 2) sensor_ray.weight = 0;
     return sensor_ray;

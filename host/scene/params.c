@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "scene/params.h"
 
+#include "scene/param_lists.h"
 #include "scene/pattern.h"
 
 #include <stdio.h>
@@ -68,6 +69,8 @@ size_t mcv_param_components(mcv_param_kind kind) {
     case MCV_PARAM_length2:
     case MCV_PARAM_number2:
         return 2;
+    case MCV_PARAM_text:
+        return 0;
     default:
         return 1;
     }
@@ -75,7 +78,7 @@ size_t mcv_param_components(mcv_param_kind kind) {
 
 bool mcv_param_integral(mcv_param_kind kind) {
     return kind == MCV_PARAM_integer || kind == MCV_PARAM_int2 || kind == MCV_PARAM_int4 ||
-           kind == MCV_PARAM_mask;
+           kind == MCV_PARAM_mask || kind == MCV_PARAM_curve;
 }
 
 /* Is its unset value MCV_NONE? */
@@ -117,20 +120,18 @@ void mcv_params_set_defaults(mcv_param_table table, void *params) {
         const bool given =
             param->default_value != MCV_REQUIRED && param->default_value != MCV_UNSET;
         const bool number = param->kind == MCV_PARAM_int4 || numbered(param->kind);
-        const bool counts = param->kind == MCV_PARAM_integer || param->kind == MCV_PARAM_int2 ||
-                            param->kind == MCV_PARAM_mask;
-        const double unset = counts ? 0 : number ? MCV_NONE : (double)NAN;
+        const bool counts = mcv_param_integral(param->kind);
+        const double unset = number ? MCV_NONE : counts ? 0 : (double)NAN;
         const double value = given ? param->default_value : unset;
         for (size_t j = 0; j < mcv_param_components(param->kind); ++j) set(param, params, j, value);
     }
 }
 
 bool mcv_param_unset(const mcv_param *param, const void *params) {
+    if (param->kind == MCV_PARAM_text) return !*((const char *)params + param->offset);
     const double first = get(param, params, 0);
-    if (param->kind == MCV_PARAM_integer || param->kind == MCV_PARAM_int2 ||
-        param->kind == MCV_PARAM_mask)
-        return first == 0;
     if (param->kind == MCV_PARAM_int4 || numbered(param->kind)) return first == MCV_NONE;
+    if (mcv_param_integral(param->kind)) return first == 0;
     return param->kind != MCV_PARAM_choice && param->kind != MCV_PARAM_flag && isnan(first);
 }
 
@@ -183,8 +184,8 @@ static const char *example(mcv_param_kind kind) {
     }
 }
 
-static mcv_result parse_number(const mcv_param *param, const json_t *value, double *number,
-                               const mcv_json_path *place, mcv_error *error) {
+mcv_result mcv_param_number(const mcv_param *param, const json_t *value, double *number,
+                            const mcv_json_path *place, mcv_error *error) {
     const mcv_param_kind kind = param->kind == MCV_PARAM_length2 ? MCV_PARAM_length : param->kind;
     if (json_is_string(value) && !mcv_param_integral(param->kind) &&
         param->kind != MCV_PARAM_spectrum) {
@@ -253,29 +254,12 @@ static mcv_result parse_image(const mcv_param *param, const json_t *value, void 
     return MCV_OK;
 }
 
-static mcv_result parse_mask(const json_t *rows, mcv_mask *mask, const mcv_json_path *place,
+static mcv_result parse_text(const json_t *value, char *text, const mcv_json_path *place,
                              mcv_error *error) {
-    const size_t side = json_array_size(rows);
-    if (side < 1 || side > MCV_MASK_SIDE)
-        return mcv_fail_at(place, error,
-                           "must be an array of 1 to %d rows, each of as many numbers from 0 to 1",
-                           MCV_MASK_SIDE);
-    for (size_t j = 0; j < side; ++j) {
-        const json_t *row = json_array_get(rows, j);
-        const mcv_json_path here = mcv_place_index(place, j);
-        if (json_array_size(row) != side)
-            return mcv_fail_at(&here, error, "has %zu numbers, but must have %zu, as many as rows",
-                               json_array_size(row), side);
-        for (size_t i = 0; i < side; ++i) {
-            const mcv_json_path element = mcv_place_index(&here, i);
-            const json_t *value = json_array_get(row, i);
-            const double number = json_number_value(value);
-            if (!json_is_number(value) || !(number >= 0 && number <= 1))
-                return mcv_fail_at(&element, error, "must be a number from 0 to 1");
-            mask->values[j * side + i] = (float)number;
-        }
-    }
-    mask->side = (uint32_t)side;
+    const char *given = json_string_value(value);
+    if (!given || !*given || strlen(given) >= MCV_TEXT_BYTES)
+        return mcv_fail_at(place, error, "must be a text of 1 to %d bytes", MCV_TEXT_BYTES - 1);
+    strcpy(text, given);
     return MCV_OK;
 }
 
@@ -292,8 +276,13 @@ static mcv_result parse_value(const mcv_param *param, const json_t *value, void 
     if (param->kind == MCV_PARAM_image) return parse_image(param, value, params, place, error);
     if (param->kind == MCV_PARAM_flag) return parse_flag(param, value, params, place, error);
     if (param->kind == MCV_PARAM_mask)
-        return parse_mask(value, (mcv_mask *)(void *)((char *)params + param->offset), place,
-                          error);
+        return mcv_mask_parse(value, (mcv_mask *)(void *)((char *)params + param->offset), place,
+                              error);
+    if (param->kind == MCV_PARAM_curve)
+        return mcv_curve_parse(param, value, (mcv_curve *)(void *)((char *)params + param->offset),
+                               place, error);
+    if (param->kind == MCV_PARAM_text)
+        return parse_text(value, (char *)params + param->offset, place, error);
     if (param->kind == MCV_PARAM_pattern)
         return mcv_pattern_parse(value, (mcv_pattern *)(void *)((char *)params + param->offset),
                                  place, error);
@@ -310,8 +299,8 @@ static mcv_result parse_value(const mcv_param *param, const json_t *value, void 
         const mcv_json_path element = mcv_place_index(place, i);
         double number = 0;
         MCV_TRY(json_is_array(value)
-                    ? parse_number(param, json_array_get(value, i), &number, &element, error)
-                    : parse_number(param, value, &number, place, error));
+                    ? mcv_param_number(param, json_array_get(value, i), &number, &element, error)
+                    : mcv_param_number(param, value, &number, place, error));
         set(param, params, i, number);
     }
     return MCV_OK;

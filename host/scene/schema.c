@@ -41,6 +41,16 @@ static json_t *scalar_schema(const mcv_param *param) {
 
 static json_t *pattern_schema(void);
 
+/* A mask, or a curve. */
+static json_t *rows_schema(bool mask) {
+    return mask ? json_pack("{s:s, s:i, s:i, s:{s:s, s:{s:s, s:i, s:i}}}", "type", "array",
+                            "minItems", 1, "maxItems", MCV_MASK_SIDE, "items", "type", "array",
+                            "items", "type", "number", "minimum", 0, "maximum", 1)
+                : json_pack("{s:s, s:i, s:i, s:{s:s, s:i, s:i}}", "type", "array", "minItems", 2,
+                            "maxItems", MCV_CURVE_POINTS, "items", "type", "array", "minItems", 2,
+                            "maxItems", 2);
+}
+
 static json_t *param_schema(const mcv_param *param) {
     json_t *schema = json_object();
     json_object_set_new(schema, "description", json_string(param->doc));
@@ -65,11 +75,12 @@ static json_t *param_schema(const mcv_param *param) {
                                       "properties", "uri", "type", "string", "required", "uri"));
         return schema;
     }
-    if (param->kind == MCV_PARAM_mask) {
-        json_object_update_new(schema, json_pack("{s:s, s:i, s:i, s:{s:s, s:{s:s, s:i, s:i}}}",
-                                                 "type", "array", "minItems", 1, "maxItems",
-                                                 MCV_MASK_SIDE, "items", "type", "array", "items",
-                                                 "type", "number", "minimum", 0, "maximum", 1));
+    if (param->kind == MCV_PARAM_mask || param->kind == MCV_PARAM_curve) {
+        json_object_update_new(schema, rows_schema(param->kind == MCV_PARAM_mask));
+        return schema;
+    }
+    if (param->kind == MCV_PARAM_text) {
+        json_object_set_new(schema, "type", json_string("string"));
         return schema;
     }
     if (param->kind == MCV_PARAM_pattern) {

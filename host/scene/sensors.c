@@ -2,6 +2,7 @@
 #include "scene/sensors.h"
 
 #include "scene/aperture.h"
+#include "scene/illumination.h"
 #include "scene/laser.h"
 #include "scene/lens_map.h"
 #include "scene/motion.h"
@@ -307,6 +308,7 @@ void mcv_telecentric_prepare(const mcv_telecentric_params *params, mcv_telecentr
         .bend = (float)bend(params->falloff, f),
     };
     mcv_distortion_prepare(&params->tilt, b - f, &device->distortion);
+    mcv_illumination_prepare(&params->relativeIllumination, b - f, &device->distortion);
     mcv_aperture_prepare(&MCV_APERTURE_SHAPE_OF(params),
                          params->radiometry == MCV_RADIOMETRY_IRRADIANCE, &device->aperture);
 }
@@ -372,6 +374,9 @@ mcv_result mcv_sensor_resolve(mcv_sensor *sensor, const mcv_json_path *place, mc
     MCV_TRY(mcv_sensor_resolve_aperture(sensor, place, error));
     MCV_TRY(mcv_sensor_resolve_exposure(sensor, place, error));
     MCV_TRY(mcv_sensor_resolve_distortion(sensor, place, error));
+    const mcv_readout readout = read_out(film_of(sensor));
+    if (sensor->type == MCV_SENSOR_TELECENTRIC)
+        MCV_TRY(mcv_illumination_check(&sensor->as.telecentric, &readout, place, error));
     if (sensor->type == MCV_SENSOR_TELECENTRIC && isnan(sensor->as.telecentric.lensDiameter))
         derive_lens_diameter(sensor);
     /* Checks the derived values too. */

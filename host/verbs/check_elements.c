@@ -62,6 +62,15 @@ void mcv_check_report_parameters(mcv_report *report, mcv_param_table table, cons
             if (side > 0) mcv_report_text(report, p->key, cells);
             break;
         }
+        case MCV_PARAM_curve: {
+            const mcv_curve *curve = field;
+            if (curve->count > 0)
+                mcv_report_number(report, p->key, "", curve->value[curve->count - 1]);
+            break;
+        }
+        case MCV_PARAM_text:
+            mcv_report_text(report, p->key, field);
+            break;
         case MCV_PARAM_choice:
             mcv_report_text(report, p->key, mcv_param_options(p->key)[*(const int *)field]);
             break;

@@ -6,7 +6,7 @@
  *
  * The list generates the struct that the host works with (SI, double), the parser, --set, `mcvisi
  * check`, the help and the JSON schema. Its kinds are length, angle, number, integer, int2, int4,
- * length2, number2, spectrum, choice, flag, image, pattern and mask.
+ * length2, number2, spectrum, choice, flag, image, pattern, mask, curve and text.
  *
  * Both ends of [min, max] are allowed; MCV_POSITIVE as min means "above 0". A default of
  * MCV_REQUIRED means that the key must be given. A default of MCV_UNSET is NaN (0 for integer and
@@ -17,7 +17,9 @@
  * the element has. Its options stand in MCV_CHOICES below. A flag is true or false, 1 or 0. An
  * image is the index or the name of one of the file's images, or {"uri": FILE.exr}; the loader
  * replaces it by the index of a texture. A pattern is an object (mcvisi/pattern.h). A mask is a
- * square array of rows, the upper one first, of numbers from 0 to 1.
+ * square array of rows, the upper one first, of numbers from 0 to 1. A curve is an array of pairs
+ * of a length, which grows, and a number above 0; between them it is straight. A text is a name or
+ * a path.
  */
 #ifndef MCVISI_PARAMS_H
 #define MCVISI_PARAMS_H
@@ -36,7 +38,8 @@ enum {
     MCV_APERTURE_MASK
 };
 
-#define MCV_MASK_SIDE 32 /* cells of a side at most */
+#define MCV_MASK_SIDE 32    /* cells of a side at most */
+#define MCV_CURVE_POINTS 16 /* pairs at most */
 
 #if !MCV_ON_DEVICE
 
@@ -63,6 +66,8 @@ enum {
 #define MCV_FIELD_image(key) uint32_t key; /* index into the scene's textures */
 #define MCV_FIELD_pattern(key) mcv_pattern key;
 #define MCV_FIELD_mask(key) mcv_mask key;
+#define MCV_FIELD_curve(key) mcv_curve key;
+#define MCV_FIELD_text(key) char key[MCV_TEXT_BYTES];
 
 #define MCV_DEFINE_FIELD(kind, key, default_value, min, max, doc) MCV_FIELD_##kind(key)
 
@@ -101,6 +106,8 @@ typedef enum mcv_param_kind {
     MCV_PARAM_image,
     MCV_PARAM_pattern,
     MCV_PARAM_mask,
+    MCV_PARAM_curve,
+    MCV_PARAM_text,
 } mcv_param_kind;
 
 /* A sequence of patterns. Parameters that its type does not have are 0. */
@@ -117,6 +124,14 @@ typedef struct mcv_mask {
     uint32_t side; /* 0: none is given */
     float values[MCV_MASK_SIDE * MCV_MASK_SIDE];
 } mcv_mask;
+
+/* The pairs of a curve. */
+typedef struct mcv_curve {
+    uint32_t count; /* 0: none is given */
+    double at[MCV_CURVE_POINTS], value[MCV_CURVE_POINTS];
+} mcv_curve;
+
+#define MCV_TEXT_BYTES 256 /* of a text at most, with its end */
 
 /* One row of an element's parameter table; `offset` points into its parameter struct. */
 typedef struct mcv_param {

@@ -55,6 +55,9 @@ static mcv_sensor sensor_of_kind(uint32_t type, int kind, int falloff) {
         p->focalLength = 0.04;
         p->imageDistance = 0.06;
         p->stopDiameter = 0.005;
+        /* With a table, too; the film's corners are 6.4 mm away. */
+        if (kind == TILTED || kind == BOTH)
+            p->relativeIllumination = (mcv_curve){4, {0, 3e-3, 5e-3, 7e-3}, {1, 0.95, 0.8, 0.5}};
         p->radiometry = MCV_RADIOMETRY_IRRADIANCE;
         p->falloff = falloff;
     }

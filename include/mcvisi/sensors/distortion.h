@@ -39,8 +39,11 @@ typedef struct mcv_distortion {
     float kappa;        /* κ h² */
     float per_distance; /* 1/h [1/m] */
     float reach;        /* largest |u|² that the film sees: what lies beyond may fold back */
+    /* What falls on the film beside the above, straight between these distances over h. */
+    uint illumination_count; /* 0: all */
+    float distance[MCV_CURVE_POINTS], illumination[MCV_CURVE_POINTS];
 } mcv_distortion;
-MCV_ASSERT_SIZE(mcv_distortion, 88);
+MCV_ASSERT_SIZE(mcv_distortion, MCV_DISTORTION_SIZE);
 
 #if !MCV_ON_DEVICE || MCV_WITH_DISTORTION
 
@@ -51,6 +54,7 @@ typedef struct mcv_film_view {
     float stretch;      /* e */
     float object_share; /* |∂(u + a/(h e))/∂(X, Y)| */
     float image_share;  /* |∂(s + a/(h e))/∂(X, Y)| */
+    float illumination; /* relative, of the place */
 } mcv_film_view;
 
 /* A pair and its derivatives by another pair. */
@@ -138,6 +142,17 @@ MCV_LOOP_FUNCTION mcv_mapped mcv_undistort(MCV_CONSTANT const mcv_distortion *d,
     return u;
 }
 
+/* The relative illumination of the place (X, Y) of the film. */
+MCV_LOOP_FUNCTION float mcv_illumination(MCV_CONSTANT const mcv_distortion *d, float film_x,
+                                         float film_y) {
+    if (d->illumination_count == 0u) return 1.0f;
+    const float r = mcv_sqrt(mcv_fma(film_x, film_x, film_y * film_y));
+    uint i = 1u;
+    while (i + 1u < d->illumination_count && d->distance[i] < r) ++i;
+    const float share = (r - d->distance[i - 1u]) / (d->distance[i] - d->distance[i - 1u]);
+    return mcv_fma(share, d->illumination[i] - d->illumination[i - 1u], d->illumination[i - 1u]);
+}
+
 /* How rays through (a_x, a_y) = a/h of the aperture, y down, see the place (X, Y) of the film. */
 MCV_LOOP_FUNCTION mcv_film_view mcv_view_film(MCV_CONSTANT const mcv_distortion *d, float film_x,
                                               float film_y, float a_x, float a_y) {
@@ -163,6 +178,7 @@ MCV_LOOP_FUNCTION mcv_film_view mcv_view_film(MCV_CONSTANT const mcv_distortion 
     view.s_x = s_x;
     view.s_y = s_y;
     view.stretch = e;
+    view.illumination = mcv_illumination(d, film_x, film_y);
     view.object_share = mcv_abs(mcv_fma(q_1, r_2, -q_2 * r_1));
     view.image_share = mcv_abs(mcv_fma(mcv_fma(a_x, lean_1, x_1), mcv_fma(a_y, lean_2, y_2),
                                        -mcv_fma(a_x, lean_2, x_2) * mcv_fma(a_y, lean_1, y_1)));
@@ -181,7 +197,7 @@ MCV_LOOP_FUNCTION float mcv_film_weight(float etendue, float bend, mcv_film_view
                     : direction;
     const float share = bend > 0.0f ? view.image_share : view.object_share;
     const float squared = mcv_dot(counted, counted);
-    return etendue > 0.0f ? etendue * share / (squared * squared) : 1.0f;
+    return etendue > 0.0f ? etendue * share / (squared * squared) * view.illumination : 1.0f;
 }
 
 #if !MCV_ON_DEVICE || MCV_WITH_LIGHT_TRACING

@@ -147,7 +147,7 @@
 /* The device struct of a sensor with these parameters ends in a mcv_distortion of so many bytes,
  * behind which an mcv_aperture may stand. Programs without these features know nothing of them. */
 #if !MCV_ON_DEVICE || MCV_WITH_DISTORTION || MCV_WITH_APERTURE
-#define MCV_DISTORTION_SIZE 88
+#define MCV_DISTORTION_SIZE 220
 #else
 #define MCV_DISTORTION_SIZE 0
 #endif

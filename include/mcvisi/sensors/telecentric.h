@@ -18,6 +18,9 @@
  *
  * Both sets may be given if they agree.
  *
+ * A real lens falls off towards the corner: relativeIllumination, a table of its datasheet,
+ * multiplies the irradiance by a factor of the distance from the axis on the film.
+ *
  *     {"type": "telecentric", "magnification": 0.25, "workingDistance": "110mm", "fNumber": 8,
  *      "resolution": [2448, 2048], "pixelSize": "3.45um"}
  */
@@ -49,7 +52,10 @@
     MCV_FALLOFF_PARAMS(X) \
     MCV_APERTURE_PARAMS(X) \
     MCV_DISTORTION_PARAMS(X) \
-    MCV_TIME_PARAMS(X)
+    MCV_TIME_PARAMS(X) \
+    X(curve, relativeIllumination, MCV_UNSET, 1, MCV_CURVE_POINTS, \
+      "pairs [distance from the axis on the film, irradiance over that of an ideal lens]: the " \
+      "fall-off of a real lens, of its datasheet")
 
 typedef struct mcv_telecentric {
     mcv_centre centre_x, centre_y;
