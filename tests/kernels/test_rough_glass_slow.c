@@ -3,5 +3,5 @@
 /* ctest: label truth */
 /* Rough glass of more roughnesses, with more walks. */
 #define ALPHAS 0.05, 0.1, 0.2, 0.35, 0.6
-enum { WALKS = 25000 };
+enum { WALKS = 160000 };
 #include "test_rough_glass.c"

@@ -42,8 +42,8 @@
  * more cosines and azimuths (mcv_interface_turn). Its words are fourth roots of what they stand
  * for, between which lines follow the steep and the empty ranges better.
  */
-#define MCV_INTERFACE_COSINES 24
-#define MCV_INTERFACE_AZIMUTHS 16
+#define MCV_INTERFACE_COSINES 32
+#define MCV_INTERFACE_AZIMUTHS 20
 
 typedef struct mcv_alpha {
     float x, y; /* along the tangent, across */
