@@ -52,6 +52,24 @@ static mcv_result check_rig(mcv_sweep *s, mcv_error *error) {
     return result;
 }
 
+/* Whether an error is that of a path, whatever the value: the path leads nowhere, or nothing knows
+ * the key at its end. */
+static bool is_of_path(const mcv_sweep *s, const char *text) {
+    static const char unknown[] = ": unknown key \"";
+    const char *key = strstr(text, unknown);
+    if (!key) return strstr(text, ": --set ") != NULL;
+    key += sizeof unknown - 1;
+    for (size_t i = 0; i < s->plan.count; ++i) {
+        const mcv_parameter *p = s->plan.parameters + i;
+        size_t length = 0;
+        while (length < (size_t)p->path_length && p->item[p->path_length - 1 - length] != '/')
+            ++length;
+        if (strncmp(key, p->item + p->path_length - length, length) == 0 && key[length] == '"')
+            return true;
+    }
+    return false;
+}
+
 /* Checks the paths: a wrong path fails in every set, but a value out of range may fail in one set
  * only. */
 static mcv_result check_paths(const mcv_sweep *s, mcv_error *error) {
@@ -62,7 +80,7 @@ static mcv_result check_paths(const mcv_sweep *s, mcv_error *error) {
     MCV_TRY(mcv_plan_set(&s->plan, 0, numbers, &wanted, error));
     const mcv_result result = mcv_load_set(s, numbers, texts, &scene, error);
     mcv_scene_free(scene);
-    if (result != MCV_OK && strstr(error->text, ": --set ")) return result;
+    if (result != MCV_OK && is_of_path(s, error->text)) return result;
     error->text[0] = '\0';
     return MCV_OK;
 }

@@ -161,6 +161,11 @@ static void test_bad_input(void **state) {
     program_fails(FROM "--objective mean=largest --where 'y>1'", 2, "there is no parameter");
     program_fails(FROM "--objective mean=largest --where 'x>'", 2, "is missing at its end");
     program_fails(FROM "--objective mean=largest --where 'x>2'", 3, "constraints allow none");
+    /* Before the first render: no table begins. */
+    program_fails("optimize s.gltf --vary sensors/cam/imageDistanze=0.01..0.02 --metric mean "
+                  "--objective mean=largest --spp 4 -o k.csv",
+                  3, "unknown key \"imageDistanze\": did you mean \"imageDistance\"");
+    assert_int_not_equal(access("k.csv", F_OK), 0);
     program_fails(FROM "--objective mean=largest --spp 4 --region "
                        "far=100,100,4,4 -o f.csv",
                   1, "evaluations of the screening have failed");

@@ -240,6 +240,8 @@ static void test_bad_input(void **state) {
     program_fails("sweep s.gltf --vary emitters/panel/radiance=1", 2, "--metric is missing");
     program_fails("sweep s.gltf --vary emitters/panell/radiance=1 --metric mean", 3,
                   "did you mean \"panel\"");
+    program_fails("sweep s.gltf --vary emitters/panel/radiancee=1,2 --metric mean", 3,
+                  "unknown key \"radiancee\": did you mean \"radiance\"");
     program_fails("sweep s.gltf --vary emitters/panel/radiance=1..2 --metric mean", 2,
                   "lhs or sobol");
     program_fails("sweep s.gltf --vary emitters/panel/radiance=x --metric mean", 2, "FROM..TO");
