@@ -38,29 +38,38 @@ static mcv_wide sum_of(const mcv_gather *g, const mcv_wide *sums, uint32_t chann
     return sum;
 }
 
-/* The unit with which the largest row sum still is a double, whatever the order; one bit is for the
- * rounding of the entries. */
-static mcv_result choose_unit(maker *k, mcv_error *error) {
+/* The largest sum of a row, and how many entries there are, or a few more. */
+static mcv_result find_largest(maker *k, mcv_wide *largest, mcv_error *error) {
     const mcv_gather *g = k->gather;
-    mcv_wide of_row[3] = {0}, largest = 0;
+    mcv_wide of_row[3] = {0};
     mcv_gather_entry entry;
     uint32_t pixel = 0;
-    int exponent = 0;
     bool more = true;
+    k->all = (uint64_t)g->count * g->channels;
+    if (mcv_gather_largest_row(g, k->m->row_count, largest)) return MCV_OK;
+    k->all = 0;
     MCV_TRY(mcv_gather_rewind(k->gather, error));
     for (;;) {
         MCV_TRY(mcv_gather_next(k->gather, &entry, &more, error));
-        if (!more) break;
+        if (!more) return MCV_OK;
         k->all += g->channels;
         if (entry.pixel != pixel) memset(of_row, 0, sizeof of_row);
         pixel = entry.pixel;
         for (uint32_t c = 0; c < g->channels; ++c) {
             of_row[c] += sum_of(g, entry.sums, c);
-            if (of_row[c] > largest) largest = of_row[c];
+            if (of_row[c] > *largest) *largest = of_row[c];
         }
     }
+}
+
+/* The unit with which the largest row sum still is a double, whatever the order; one bit is for the
+ * rounding of the entries. */
+static mcv_result choose_unit(maker *k, mcv_error *error) {
+    mcv_wide largest = 0;
+    int exponent = 0;
+    MCV_TRY(find_largest(k, &largest, error));
     frexp((double)largest * k->share, &exponent);
-    k->unit = ldexp(1, exponent + g->exponent + 1 - DOUBLE_BITS);
+    k->unit = ldexp(1, exponent + k->gather->exponent + 1 - DOUBLE_BITS);
     k->to_whole = ldexp(1, DOUBLE_BITS - 1 - exponent);
     return MCV_OK;
 }
@@ -161,6 +170,11 @@ static mcv_result reserve(maker *k, uint64_t count, mcv_error *error) {
         realloc(m->replicates_of, (capacity * m->replicates + 1) * sizeof *replicates);
     if (replicates) m->replicates_of = replicates;
     if (!columns || !values || !replicates) return no_memory(m, error);
+    if (first) { /* all of it is used */
+        mcv_large_pages(columns, capacity * sizeof *columns);
+        mcv_large_pages(values, capacity * sizeof *values);
+        mcv_large_pages(replicates, capacity * m->replicates * sizeof *replicates);
+    }
     k->capacity = capacity;
     return MCV_OK;
 }
@@ -180,9 +194,12 @@ static mcv_result append_row(maker *k, size_t row, mcv_error *error) {
         if (whole == 0) continue;
         m->columns[end] = k->elements[i];
         m->values[end] = whole * k->unit;
-        for (uint32_t r = 0; r < m->replicates; ++r)
+        for (uint32_t r = 0; r < m->replicates; ++r) {
+            /* Mostly zero where each sample finds an element of its own. */
+            const mcv_wide sum = sums[r * m->channels + channel];
             m->replicates_of[end * m->replicates + r] =
-                (float)((double)sums[r * m->channels + channel] / (double)m->samples * scale);
+                sum == 0 ? 0 : (float)((double)sum / (double)m->samples * scale);
+        }
         ++end;
     }
     m->row_begins[row + 1] = k->keep < 1 ? thin_row(k, first, end) : end;
@@ -224,8 +241,8 @@ static mcv_result fill_matrix(maker *k, mcv_error *error) {
     mcv_gather_entry entry;
     size_t row = 0;
     bool more = true;
-    const uint64_t count = (uint64_t)k->gather->count * k->m->channels;
-    MCV_TRY(mcv_gather_sort(k->gather, bytes_of(k->m, count), error));
+    const size_t rows = bytes_of(k->m, 0);
+    MCV_TRY(mcv_gather_sort(k->gather, rows, bytes_of(k->m, k->m->channels) - rows, error));
     MCV_TRY(choose_unit(k, error));
     MCV_TRY(mcv_gather_rewind(k->gather, error));
     MCV_TRY(reserve(k, k->keep < 1 ? 0 : k->all, error));

@@ -304,8 +304,9 @@ static void tell_apart(uint32_t *records) {
     for (int i = 0; i < RECORDS; ++i) records[i * WORDS + 1] = (uint32_t)(i % 4500);
 }
 
-/* 6000 records of 4500 elements do not fit into the table of 1 MB, which has room for 4096 entries:
- * what went to a file, in part twice, makes the same matrix, whole and thinned. */
+/* The sums of 6000 records, 64 bytes each, do not fit into 1 MB with the 4096 that wait (44 bytes
+ * each) three times over: what went to a file, in part twice, makes the same matrix, whole and
+ * thinned. */
 static void test_files_take_what_memory_has_no_room_for(void **state) {
     static uint32_t records[RECORDS * WORDS];
     static const double keeps[] = {1, 0.7};
@@ -323,21 +324,45 @@ static void test_files_take_what_memory_has_no_room_for(void **state) {
     }
 }
 
-/* Too little for 4096 entries of 240 bytes is refused at once; too little for the matrix, 18000
- * entries of 28 bytes, when it is known. */
+/* Records that come sixty times are 19 portions in 16 MB, which has room for them all: what is
+ * merged on the way makes the same matrix as one portion, without a file. */
+static void test_portions_are_merged(void **state) {
+    static uint32_t records[RECORDS * WORDS];
+    mcv_matrix made[2];
+    (void)state;
+    make_records(records);
+    tell_apart(records);
+    for (int small = 0; small < 2; ++small) {
+        mcv_gather gather;
+        WELL(mcv_gather_new(&gather, CHANNELS, REPLICATES, 1,
+                            small ? (size_t)1 << 24 : (size_t)1 << 30, &error));
+        for (int i = 0; i < 60; ++i) WELL(mcv_gather_add(&gather, records, RECORDS, &error));
+        /* Less than the 19 portions: some have become one. */
+        if (small) assert_in_range(gather.runs.count, 1, 15);
+        WELL(mcv_matrix_make(&gather, WIDTH, HEIGHT, SAMPLES, ELEMENTS, 1, made + small, &error));
+        assert_int_equal(gather.runs.in_file, 0);
+        mcv_gather_free(&gather);
+    }
+    expect_equal("merged", made, made + 1);
+    mcv_matrix_free(made);
+    mcv_matrix_free(made + 1);
+}
+
+/* Too little for 4096 records, 44 bytes each and 64 of their sums, is refused at once; too little
+ * for the matrix, 18000 entries of 28 bytes, when it is known. */
 static void test_memory_is_bounded(void **state) {
     static uint32_t records[RECORDS * WORDS];
     mcv_gather gather;
     mcv_matrix matrix;
     (void)state;
     assert_int_equal(
-        mcv_gather_new(&gather, CHANNELS, REPLICATES, 1, (size_t)4096 * 240 - 1, &error),
+        mcv_gather_new(&gather, CHANNELS, REPLICATES, 1, (size_t)4096 * 108 - 1, &error),
         MCV_BAD_INPUT);
     if (!strstr(error.text, "--memory") || !strstr(error.text, "tile"))
         fail_msg("\"%s\" must name --memory and a tile", error.text);
     make_records(records);
     tell_apart(records);
-    WELL(mcv_gather_new(&gather, CHANNELS, REPLICATES, 1, (size_t)4096 * 240, &error));
+    WELL(mcv_gather_new(&gather, CHANNELS, REPLICATES, 1, (size_t)4096 * 108, &error));
     WELL(mcv_gather_add(&gather, records, RECORDS, &error));
     gather.most_bytes = 400000;
     error.text[0] = '\0';
@@ -355,6 +380,7 @@ int main(void) {
         cmocka_unit_test_setup_teardown(test_files, enter_folder, leave_folder),
         cmocka_unit_test_setup_teardown(test_matrix_market, enter_folder, leave_folder),
         cmocka_unit_test(test_files_take_what_memory_has_no_room_for),
+        cmocka_unit_test(test_portions_are_merged),
         cmocka_unit_test(test_memory_is_bounded),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
