@@ -13,8 +13,11 @@ from mcvisi.depths import Depth
 from mcvisi.errors import BadInput, UsageError
 
 CELLS = 64  # along the aperture's diameter
-LEAST = 20  # power over noise of frequencies that count
-FLAT = 0.75  # the window's share of each side that is even
+WITHIN = 8  # places along a cell's side, which tell how much of it is open
+FINEST = 0.25  # cycles per pixel: pixels take finer ones for coarser ones that move the other way
+LEAST = 4  # power over noise of frequencies that count
+FLAT = 0.9  # the share of each side of the region that has its full weight
+SOFT = 0.9  # and of the image
 
 
 def _is_square(number: Any, prime: int) -> Any:
@@ -24,7 +27,7 @@ def _is_square(number: Any, prime: int) -> Any:
 def _open_cells(attributes: Mapping[str, Any]) -> "np.ndarray[Any, Any]":
     """What the cells of the square about the aperture pass: rows upwards, columns to the right."""
     get: Callable[[str, Any], Any] = lambda key, other: attributes.get("mcvisi:" + key, other)
-    middle = (np.arange(CELLS) + 0.5) / CELLS * 2 - 1
+    middle = (np.arange(CELLS * WITHIN) + 0.5) / (CELLS * WITHIN) * 2 - 1
     x, y = np.meshgrid(middle, middle)
     radius, angle = np.hypot(x, y), np.arctan2(y, x)
     shape, turn = get("aperture", "disc"), float(get("apertureRotation", 0))
@@ -50,7 +53,8 @@ def _open_cells(attributes: Mapping[str, Any]) -> "np.ndarray[Any, Any]":
         i = np.minimum((x + 1) / 2 * side, side - 1).astype(int)
         j = np.minimum((1 - y) / 2 * side, side - 1).astype(int)
         passes = cells[j, i]
-    open_cells = np.where(radius < 1, passes, 0.0)
+    places = np.where(radius < 1, passes, 0.0)
+    open_cells = places.reshape(CELLS, WITHIN, CELLS, WITHIN).sum((1, 3))
     return np.asarray(open_cells / open_cells.sum())
 
 
@@ -81,7 +85,7 @@ def _check_lens(header: Mapping[str, Any]) -> None:
 
 
 class _View:
-    """One image's spectrum and noise, and the transfer function of its lens."""
+    """One image about the region, its noise, and the transfer function of its lens."""
 
     def __init__(self, image: Any, region: Tuple[int, int, int, int]) -> None:
         header = image.attributes
@@ -92,22 +96,17 @@ class _View:
             raise BadInput("depth: an image states no error: use what `camera` makes, as OpenEXR")
         _check_lens(header)
         values = np.asarray(image.array, float)
-        cut = _place(region, values.shape)
-        height, width = values[cut].shape
-        window = np.outer(_window(height), _window(width))
+        self.cut = _place(region, values.shape)
         # Exposures differ: what counts is the texture over its mean.
-        mean = np.average(values[cut], weights=window)
-        variance = np.mean(np.asarray(image.error, float)[cut] ** 2)
+        mean = np.mean(values[self.cut])
+        variance = np.mean(np.asarray(image.error, float)[self.cut] ** 2)
         if not (mean > 0 and variance > 0):
             raise BadInput(
                 "depth: an image has the mean %g and the noise %g in the region: both must be "
                 "above 0, so light the region, and expose with noise" % (mean, variance**0.5)
             )
-        values = values[cut] / mean - 1
-        self.spread = height * width * np.sum(window**4) / np.sum(window**2) ** 2
-        self.spectrum = np.fft.fft2(values * window)
-        self.variance = variance / mean**2 * np.sum(window**2)
-        self.columns, self.rows = np.fft.fftfreq(width), np.fft.fftfreq(height)
+        self.values = values / mean - 1
+        self.variance = variance / mean**2
         self.distance = float(header["mcvisi:imageDistance"])
         # Of the image, whose pixels are several of the sensor's.
         pixel = np.ravel(header["mcvisi:pixelSize"]) * np.ravel(header.get("mcvisi:binning", 1))
@@ -118,38 +117,65 @@ class _View:
         self.focus = 1 / float(header["mcvisi:focalLength"]) - 1 / self.distance
         self.cells = _open_cells(header)
 
-    def transfer(self, nearness: float) -> "np.ndarray[Any, Any]":
-        """Of a texture at the depth 1/nearness: the place (x, y) of the aperture, in radii, sees
-        it (1/w - 1/z) b r/p (x, -y) pixels aside."""
+    def transfer(self, nearness: float, shape: Tuple[int, int]) -> "np.ndarray[Any, Any]":
+        """Of a texture at the depth 1/nearness, at the frequencies of an image of this shape: the
+        place (x, y) of the aperture, in radii, sees it (1/w - 1/z) b r/p (x, -y) pixels aside."""
         middle = (np.arange(CELLS) + 0.5) / CELLS * 2 - 1
         aside = (self.focus - nearness) * np.asarray(self.reach)
-        across = np.exp(-2j * np.pi * aside[0] * np.outer(self.columns, middle))
-        down = np.exp(2j * np.pi * aside[1] * np.outer(self.rows, middle))
+        rows, columns = np.fft.fftfreq(shape[0]), np.fft.fftfreq(shape[1])
+        across = np.exp(-2j * np.pi * aside[0] * np.outer(columns, middle))
+        down = np.exp(2j * np.pi * aside[1] * np.outer(rows, middle))
         return np.asarray(down @ self.cells @ across.T)
 
 
-def _window(count: int) -> "np.ndarray[Any, Any]":
+def _window(count: int, flat: float) -> "np.ndarray[Any, Any]":
     """1 in the middle, and down to 0 as a cosine at both ends."""
     to_end = np.minimum(np.arange(count) + 0.5, count - np.arange(count) - 0.5) / count
-    return np.asarray(0.5 - 0.5 * np.cos(np.pi * np.minimum(to_end / (0.5 - FLAT / 2), 1)))
+    return np.asarray(0.5 - 0.5 * np.cos(np.pi * np.minimum(to_end / (0.5 - flat / 2), 1)))
 
 
-def _misfit(views: Sequence[_View], nearness: float) -> float:
-    """What no texture explains, over the noise: minus twice the logarithm of the likelihood."""
-    powers = fitted = weights = 0.0
-    for view in views:
-        transfer = view.transfer(nearness)
-        powers = powers + np.abs(view.spectrum) ** 2 / view.variance
-        fitted = fitted + np.conj(transfer) * view.spectrum / view.variance
-        weights = weights + np.abs(transfer) ** 2 / view.variance
-    left = powers - np.abs(fitted) ** 2 / np.maximum(weights, 1e-300)
-    return float(np.sum(left[_known(views)]))
+def _windows(shape: Tuple[int, ...], flat: float) -> "np.ndarray[Any, Any]":
+    return np.outer(_window(shape[0], flat), _window(shape[1], flat))
 
 
-def _known(views: Sequence[_View]) -> "np.ndarray[Any, Any]":
-    """Frequencies whose light stands far above the noise: others would add their noise alone."""
-    powers = sum(np.abs(view.spectrum) ** 2 / view.variance for view in views)
-    return np.asarray(powers > LEAST * len(views))
+class _Fit:
+    """
+    How badly a depth explains the images. Each image, blurred as another one is, equals that other
+    one blurred as the first is, whatever the texture. What differs is noise of a known spectrum:
+    over it, and summed over all pairs, the squares are minus twice the logarithm of the likelihood
+    with the texture that fits best. The images are blurred with what surrounds the region, so that
+    its border changes nothing.
+    """
+
+    def __init__(self, views: Sequence[_View], shape: Tuple[int, ...]) -> None:
+        self.views = views
+        cut = views[0].cut
+        self.region = _windows(tuple(c.stop - c.start for c in cut), FLAT)
+        self.power = np.sum(self.region**2)
+        self.spread = self.region.size * np.sum(self.region**4) / self.power**2
+        # The images end softly at their own borders.
+        self.whole = [np.fft.fft2(view.values * _windows(shape, SOFT)) for view in views]
+        powers = sum(np.abs(self._spectrum(v.values)) ** 2 / v.variance for v in views)
+        rows, columns = (np.abs(np.fft.fftfreq(side)) <= FINEST for side in self.region.shape)
+        coarse = np.outer(rows, columns)
+        self.known = coarse & (powers > LEAST * len(views) * self.power)
+
+    def _spectrum(self, values: Any) -> Any:
+        return np.fft.fft2(values[self.views[0].cut] * self.region)
+
+    def misfit(self, nearness: float) -> float:
+        """Minus twice the logarithm of the likelihood of a depth."""
+        views, whole = self.views, self.whole
+        blurs = [view.transfer(nearness, whole[0].shape) for view in views]
+        own = [np.abs(view.transfer(nearness, self.region.shape)) ** 2 for view in views]
+        weights = sum(o / view.variance for o, view in zip(own, views)) * self.power
+        left: Any = 0.0
+        for i in range(len(views)):
+            for j in range(i):
+                differs = np.fft.ifft2(blurs[j] * whole[i] - blurs[i] * whole[j]).real
+                both = views[i].variance * views[j].variance
+                left = left + np.abs(self._spectrum(differs)) ** 2 / both
+        return float(np.sum((left / np.maximum(weights, 1e-300))[self.known]))
 
 
 def best_depth(
@@ -169,23 +195,27 @@ def best_depth(
         raise UsageError(
             "depth: the images have several imageDistances, so that their scales differ"
         )
+    shapes = {view.values.shape for view in views}
+    if len(shapes) > 1:
+        raise UsageError("depth: the images have several sizes")
+    fit = _Fit(views, shapes.pop())
     pixels = max(max(view.reach) for view in views)  # that nearness moves the rim of the aperture
     steps = int(np.ceil((1 / near - 1 / far) * pixels * 4)) + 3
     tried = np.linspace(1 / far, 1 / near, steps)
-    known: Dict[float, float] = {float(q): _misfit(views, float(q)) for q in tried}
+    known: Dict[float, float] = {float(q): fit.misfit(float(q)) for q in tried}
     best = min(known, key=lambda q: known[q])
     step = float(tried[1] - tried[0])
     while step * pixels > 1e-4:
         step /= 2
         for q in (best - step, best + step):
-            known.setdefault(q, _misfit(views, q))
+            known.setdefault(q, fit.misfit(q))
         best = min((best - step, best, best + step), key=lambda q: known[q])
     step = 0.05 / pixels
-    sides = [_misfit(views, best - step), known[best], _misfit(views, best + step)]
+    sides = [fit.misfit(best - step), known[best], fit.misfit(best + step)]
     bend = (sides[0] - 2 * sides[1] + sides[2]) / step**2
     if not bend > 0 or not 1 / far < best < 1 / near:
         raise BadInput("depth: no depth from near to far explains the images")
     # Each frequency of real images stands twice in the sum.
-    nearness = float(np.sqrt(2 / bend * views[0].spread))
-    free = np.count_nonzero(_known(views)) * (len(views) - 1)
+    nearness = float(np.sqrt(2 / bend * fit.spread))
+    free = np.count_nonzero(fit.known) * (len(views) - 1)
     return Depth(1 / best, nearness / best**2, float(np.sqrt(sides[1] / free)))

@@ -17,7 +17,7 @@ def _png(values):
     """A grey picture of 8 bits as a data URI."""
     rows = b"".join(b"\0" + row.tobytes() for row in values)
     chunks = [
-        (b"IHDR", struct.pack(">IIBBBBB", SIDE, SIDE, 8, 0, 0, 0, 0)),
+        (b"IHDR", struct.pack(">IIBBBBB", len(values), len(values), 8, 0, 0, 0, 0)),
         (b"IDAT", zlib.compress(rows)),
         (b"IEND", b""),
     ]
@@ -28,13 +28,11 @@ def _png(values):
     return "data:image/png;base64," + base64.b64encode(data).decode()
 
 
-@pytest.fixture(scope="module")
-def wall():
-    """Random cells of 0.16 mm, and a camera at f/2 that sees 0.11 mm with a pixel."""
-    cells = np.random.default_rng(1).integers(0, 256, (SIDE, SIDE), dtype=np.uint8)
+def _rig(values, **lens):
+    """A wall with this picture, and a camera at f/2 that sees 0.11 mm with a pixel."""
     camera = {"name": "camera", "type": "thinLens", "focalLength": "25mm", "fNumber": 2}
-    camera.update(focusDistance=FOCUS, resolution=[96, 96], pixelSize="10um", aperture="half")
-    camera.update(radiometry="irradiance", apertureRotation=0)
+    camera.update(focusDistance=FOCUS, resolution=[96, 96], pixelSize="10um", **lens)
+    camera.update(radiometry="irradiance")
     screen = {"name": "wall", "type": "telecentricProjector", "size": "40mm", "radiance": 1}
     screen.update(image="noise", halfAngle="30deg")
     sensor = {"MCVISI_sensors": {"sensor": 0}}
@@ -49,13 +47,20 @@ def wall():
                 "MCVISI_sensors": {"sensors": [camera]},
                 "MCVISI_emitters": {"emitters": [screen]},
             },
-            "images": [{"name": "noise", "uri": _png(cells)}],
+            "images": [{"name": "noise", "uri": _png(values)}],
             "nodes": [
                 {"name": "camera", "translation": [0, 0, FOCUS], "extensions": sensor},
                 {"name": "wall", "rotation": [0, 1, 0, 0], "extensions": emitter},
             ],
         }
     )
+
+
+@pytest.fixture(scope="module")
+def wall():
+    """Random cells of 0.16 mm, seen through a half."""
+    cells = np.random.default_rng(1).integers(0, 256, (SIDE, SIDE), dtype=np.uint8)
+    return _rig(cells, aperture="half", apertureRotation=0)
 
 
 def _look(wall, depth, turn, seed, spp=64):
