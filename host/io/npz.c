@@ -143,6 +143,17 @@ mcv_result mcv_npz_write(const char *path, const mcv_npz_member *members, size_t
     return result;
 }
 
+mcv_result mcv_npy_write(const char *path, const mcv_npz_member *array, mcv_error *error) {
+    char header[4 * ALIGNMENT];
+    mcv_output out;
+    MCV_TRY(mcv_output_open(&out, path, error));
+    mcv_result result = mcv_output_write(&out, header, array_header(array, header), error);
+    if (result == MCV_OK) result = mcv_output_write(&out, array->data, array->bytes, error);
+    if (result == MCV_OK) return mcv_output_commit(&out, error);
+    mcv_output_discard(&out);
+    return result;
+}
+
 /* --- reading --- */
 
 static mcv_result damaged(const mcv_npz *z, const char *what, mcv_error *error) {

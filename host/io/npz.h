@@ -28,6 +28,9 @@ typedef struct mcv_npz_member {
 mcv_result mcv_npz_write(const char *path, const mcv_npz_member *members, size_t count,
                          mcv_error *error);
 
+/* One array as an NPY file; its name does not count. */
+mcv_result mcv_npy_write(const char *path, const mcv_npz_member *array, mcv_error *error);
+
 /* An archive in memory. */
 typedef struct mcv_npz {
     uint8_t *file;

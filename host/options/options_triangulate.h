@@ -6,7 +6,7 @@
 #define MCV_TRIANGULATE_OPTIONS(X) \
     X(list, profiles, "output", 'o', "FILE", MCV_IN_PROFILES, NULL, 0, 0, \
       "write the profiles: .csv, a row for each place; with --laser also .exr, a range image, " \
-      ".npz, arrays for NumPy, or .ply, points") \
+      ".npz or .npy, arrays for NumPy, or .ply, points") \
     X(choice, extractor, "extractor", 0, "cog|parabola|logGauss|blaisRioux|gauss|steger", \
       MCV_IN_PROFILES, "cog", 0, 0, \
       "method that finds the line's place: centre of gravity, a parabola or a Gaussian through " \

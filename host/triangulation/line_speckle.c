@@ -62,7 +62,7 @@ static double transform_across(const double *sums, int n, int stride, double acr
 /* |µ|² at steps across and along. */
 static bool take_stop(mcv_line_stop stop, steps across, steps along, double *squares) {
     /* The transform of n cells repeats every n λN. */
-    const int n = (int)fmin(fmax(128, 2 * ceil(fmax(across.reach, along.reach))), 1024);
+    const int n = (int)fmax(128, 2 * ceil(fmax(across.reach, along.reach)));
     float *open = calloc((size_t)n * (size_t)n, sizeof *open);
     double *sums = calloc(2 * (size_t)n * (size_t)along.count, sizeof *sums);
     const bool known = open && sums;
@@ -93,12 +93,16 @@ double mcv_line_speckle_noise(double contrast, double grain, double sigma, doubl
                               mcv_line_stop stop) {
     /* In λN; x - x' = u and the middle of both are independent: ∫ x x' E E' = (s²/2 - u²/4) ·
      * exp(-u²/(4 s²))/(2 s √π). Beyond 6 s the factor is 1e-4 of its largest, and |µ|² below 1e-3
-     * of 1. |µ|² has no period below 1: two steps for each tell all of it. */
-    enum { LEAST_STEPS = 400, LEAST_OF_STOPS = 64, MOST_STEPS = 4096 };
-    const int least = stop.aperture ? LEAST_OF_STOPS : LEAST_STEPS;
-    const double s = sigma / grain, h = height / grain, wide = 6 * s;
-    const steps across = {(int)fmin(fmax(least, ceil(4 * wide)), MOST_STEPS), wide},
-                along = {(int)fmin(fmax(least, ceil(4 * h)), MOST_STEPS), h};
+     * of 1. |µ|² has no period below 1: two steps for each tell all of it. It falls as the distance
+     * squared across a stop's straight edges, and faster elsewhere: what lies beyond the farthest
+     * is at most a thousandth of it. */
+    enum { LEAST_STEPS = 400, LEAST_OF_STOPS = 64, FARTHEST = 1024, FARTHEST_OF_STOPS = 128 };
+    const int least = stop.aperture ? LEAST_OF_STOPS : LEAST_STEPS,
+              farthest = stop.aperture ? FARTHEST_OF_STOPS : FARTHEST;
+    const double s = sigma / grain, h = height / grain, wide = fmin(6 * s, farthest),
+                 high = fmin(h, farthest);
+    const steps across = {(int)fmax(least, ceil(4 * wide)), wide},
+                along = {(int)fmax(least, ceil(4 * high)), high};
     double sum = 0, *squares = malloc(sizeof *squares * (size_t)across.count * along.count);
     const bool known = squares && (stop.aperture ? take_stop(stop, across, along, squares)
                                                  : take_disc(across, along, squares));
@@ -109,7 +113,7 @@ double mcv_line_speckle_noise(double contrast, double grain, double sigma, doubl
                    squares[i * along.count + j];
         }
     free(squares);
-    const double area = wide / across.count * h / along.count;
+    const double area = wide / across.count * high / along.count;
     /* Four quadrants; pairs of a row: 2 ∫ (1 - v/h)/h. */
     return known ? contrast * grain * sqrt(fmax(4 * sum * area / (2 * s * sqrt(M_PI) * h), 0))
                  : NAN;

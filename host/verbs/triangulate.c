@@ -16,11 +16,11 @@
 
 static mcv_result check_file(const mcv_command *command, const char *path, mcv_texts images,
                              mcv_error *error) {
-    static const char *const endings[] = {".csv", ".exr", ".npz", ".ply"};
+    static const char *const endings[] = {".csv", ".exr", ".npz", ".npy", ".ply"};
     bool known = false;
-    for (size_t i = 0; i < 4; ++i) known = known || mcv_ends_in(path, endings[i]);
+    for (size_t i = 0; i < 5; ++i) known = known || mcv_ends_in(path, endings[i]);
     if (!known)
-        return mcv_fail(error, MCV_USAGE, "--output %s: must end in .csv, .exr, .npz or .ply",
+        return mcv_fail(error, MCV_USAGE, "--output %s: must end in .csv, .exr, .npz, .npy or .ply",
                         path);
     if (!command->laser && !mcv_ends_in(path, ".csv"))
         return mcv_fail(error, MCV_USAGE,

@@ -136,6 +136,23 @@ static mcv_result write_arrays(const mcv_profiles *p, const char *path, mcv_erro
     return result;
 }
 
+/* x, y, z, u(z) and place of each point. */
+static mcv_result write_array(const mcv_profiles *p, const char *path, mcv_error *error) {
+    static const int order[] = {2, 3, 0, 1, 4};
+    enum { EACH = 5 };
+    double *values = malloc((EACH * count_of(p) + 1) * sizeof *values);
+    if (!values) return mcv_fail(error, MCV_FAILED, "%s: no memory for its array", path);
+    for (size_t i = 0; i < EACH * count_of(p); ++i)
+        values[i] = member(p->points + i / EACH, order[i % EACH]);
+    const mcv_npz_member array = {.dtype = "<f8",
+                                  .shape = {p->added, p->length, EACH},
+                                  .data = values,
+                                  .bytes = EACH * count_of(p) * sizeof *values};
+    const mcv_result result = mcv_npy_write(path, &array, error);
+    free(values);
+    return result;
+}
+
 mcv_result mcv_profiles_write(const mcv_profiles *p, mcv_error *error) {
     const mcv_list *files = &p->command->profiles;
     for (size_t i = 0; i < files->count; ++i) {
@@ -146,6 +163,8 @@ mcv_result mcv_profiles_write(const mcv_profiles *p, mcv_error *error) {
             MCV_TRY(write_text(p, path, print_points, error));
         else if (mcv_ends_in(path, ".npz"))
             MCV_TRY(write_arrays(p, path, error));
+        else if (mcv_ends_in(path, ".npy"))
+            MCV_TRY(write_array(p, path, error));
         else
             MCV_TRY(write_range(p, path, error));
     }

@@ -27,6 +27,32 @@ static int make_images(void **state) {
     return 0;
 }
 
+/* An array of 2 x 48 x 5 doubles has the range image's x, y, z, u(z) and place, but for its
+ * float32. */
+static void must_hold_heights(const char *array, const char *range) {
+    static const char *const parts[] = {"x", "y", "image", "error", "place"};
+    double sums[2][5] = {{0}}, numbers[5];
+    char header[129] = "";
+    FILE *file = fopen(array, "rb");
+    assert_non_null(file);
+    assert_int_equal(fread(header, 1, 128, file), 128);
+    assert_non_null(
+        strstr(header + 10, "'descr': '<f8', 'fortran_order': False, 'shape': (2,48,5,)"));
+    for (int i = 0; i < 2 * 48; ++i) {
+        assert_int_equal(fread(numbers, sizeof *numbers, 5, file), 5);
+        for (int k = 0; k < 5; ++k) sums[i / 48][k] += numbers[k] / 48;
+    }
+    assert_int_equal(fread(numbers, 1, 1, file), 0);
+    fclose(file);
+    for (uint32_t row = 0; row < 2; ++row)
+        for (int k = 0; k < 5; ++k) {
+            const double mean = row_mean(range, parts[k], row, NULL);
+            if (!(fabs(sums[row][k] - mean) <= 0x1p-23 * (fabs(mean) + 1e-3)))
+                fail_msg("%s of profile %u: %g, and %g in the range image", parts[k], row,
+                         sums[row][k], mean);
+        }
+}
+
 /*
  * Heights are those of the plate: its top is 0.2 m below the laser, and 0.3 mm lower in the second
  * image. A place's uncertainty, some 0.02 pixels, is 2 µm; the mean of 48 has 0.3 µm, and 6 µm are
@@ -36,7 +62,8 @@ static int make_images(void **state) {
 static void test_heights(void **state) {
     (void)state;
     program_well("triangulate 0.exr 1.exr --laser laser --feed 0.2mm -o z.exr -o z.csv -o z.ply -o "
-                 "z.npz");
+                 "z.npz -o z.npy");
+    must_hold_heights("z.npy", "z.exr");
     assert_true(fabs(row_mean("z.exr", "image", 0, NULL) + 0.2) <= 6e-6);
     assert_true(fabs(row_mean("z.exr", "image", 1, NULL) + 0.2003) <= 6e-6);
     assert_true(fabs(row_mean("z.exr", "mask", 1, NULL) - 1) <= 1e-9);
@@ -208,7 +235,7 @@ static void test_bad_input(void **state) {
     program_fails("triangulate 0.exr --window 8", 2, "--window 8: must be odd");
     program_fails("triangulate 0.exr --feed 1mm", 2, "--feed is of heights: give --laser NODE");
     program_fails("triangulate 0.exr -o z.exr", 2, "z.exr: holds heights: give --laser NODE");
-    program_fails("triangulate 0.exr -o z.txt", 2, "must end in .csv, .exr, .npz or .ply");
+    program_fails("triangulate 0.exr -o z.txt", 2, "must end in .csv, .exr, .npz, .npy or .ply");
     program_fails("triangulate 0.exr --laser laser -o 0.exr", 2, "0.exr is one of the images");
     program_fails("triangulate none.exr", 3, "none.exr");
     program_fails("triangulate", 2, "IMAGE");
