@@ -2,7 +2,9 @@
 """Sensors from the side: the scene lies to the right, the optical axis is z of the optical
 frame."""
 
-from sketch import DIM, FAINT, HUES, INK, SIGHT, Sketch
+import math
+
+from sketch import DIM, EDGE, FAINT, FILM, GLASS, HUES, INK, LIGHT, PALE, SIGHT, Sketch, polar
 
 
 def pinhole():
@@ -247,6 +249,40 @@ def flying_spot():
     return s
 
 
+def laser_triangulation():
+    s = Sketch(
+        640,
+        330,
+        (250, 70),
+        "Laser triangulation head: a laser above the part, and a camera aside whose tilted film, lens "
+        "and plane of the light meet in one line",
+    )
+    top, angle, away = 210, 60, 170
+    s.area([(-190, -30), (300, -30), (300, 0), (60, 0), (60, 26), (-40, 26), (-40, 0), (-190, 0)],
+           GLASS, EDGE, 1, 0.8)
+    s.text((250, -20), "part")
+    s.line([(0, top), (0, 26)], LIGHT, 2)
+    s.area([(-14, top), (14, top), (14, top + 24), (-14, top + 24)], PALE, INK)
+    s.text((-22, top + 8), "`laser`", "end")
+    eye = polar((0, 26), away, angle)
+    across = (-math.sin(math.radians(angle)), math.cos(math.radians(angle)))
+    s.line([(eye[0] - 34 * across[0], eye[1] - 34 * across[1]),
+            (eye[0] + 34 * across[0], eye[1] + 34 * across[1])], EDGE, 3)
+    s.ray([(0, 26), eye], SIGHT, 1.4)
+    s.ray([(0, 0), eye], SIGHT, 0.8)
+    film = polar(eye, 62, angle)
+    lean = angle + 90 + 16
+    s.line([polar(film, -30, lean), polar(film, 30, lean)], FILM, 4)
+    s.line([eye, film], SIGHT, 1.4)
+    s.text((film[0] + 44, film[1] - 6), "film, `tilt` τ", "start", FILM)
+    s.text((eye[0] + 44, eye[1] - 22), "lens", "start")
+    s.arc((0, 26), 74, angle, 90, DIM, 0.9)
+    s.text((26, 112), "θ", "start", DIM)
+    s.ray([(-120, -46), (-60, -46)], HUES[0], 1.8)
+    s.text((-54, -50), "`feed`", "start", HUES[0])
+    return s
+
+
 DRAWINGS = {
     "pinhole": pinhole,
     "thin-lens": thin_lens,
@@ -254,4 +290,5 @@ DRAWINGS = {
     "light-field": light_field,
     "line-scan": line_scan,
     "flying-spot": flying_spot,
+    "laser-triangulation": laser_triangulation,
 }

@@ -72,8 +72,9 @@ def kind(part):
         return "index, name or object"
     if "oneOf" in part:
         return "object"
-    if "enum" in part:
-        return ", ".join('`"%s"`' % option for option in part["enum"])
+    if "enum" in scalar(part):
+        words = ", ".join('`"%s"`' % option for option in scalar(part)["enum"])
+        return words + ", or a list" if "anyOf" in part else words
     word = {"boolean": "true or false", "integer": "integer", "number": "number"}.get(
         one["type"] if isinstance(one["type"], str) else "", "")
     if "pattern" in one:
@@ -142,7 +143,7 @@ def unit_and_meaning(part):
     """A description ends in its unit; of a choice that says two, both belong to the sentence."""
     text = re.sub(r"\{[^}]*\}", r"`\g<0>`", part.get("description", ""))
     match = re.fullmatch(r"(.*) \[([^\[\]]+)\]", text)
-    return (match[2], match[1]) if match and "enum" not in part else ("", text)
+    return (match[2], match[1]) if match and "enum" not in scalar(part) else ("", text)
 
 
 def rows(path):

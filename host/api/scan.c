@@ -16,6 +16,8 @@ typedef struct work {
     mcv_session *session;
     const mcv_rig *rig;
     const mcv_command *command;
+    const char *text;          /* of its options */
+    mcv_options_given head;    /* owned: with those of a laserTriangulation sensor */
     mcv_rendering *rendering;  /* of the whole scan */
     mcv_scene *still, *moving; /* as headers tell it; and where the head is */
     mcv_sensor whole[2];       /* their sensors, of the whole film */
@@ -192,6 +194,23 @@ static mcv_result tell(const work *w, char **report, mcv_error *error) {
     return mcv_report_take(&r, report, error);
 }
 
+/* The options again, with those of a sensor that is a whole head. */
+static mcv_result take_head(work *w, mcv_error *error) {
+    const char *const arguments[2] = {w->rig->document.path};
+    if (!w->whole[0].is_head) return MCV_OK;
+    json_t *defaults =
+        mcv_scan_head(&w->whole[0], w->rig->document.path, w->command, w->session->defaults);
+    if (!defaults) return mcv_fail(error, MCV_FAILED, "no memory for the options of a head");
+    const mcv_result result =
+        mcv_options_read(w->text, defaults, MCV_VERB_SCAN, arguments, NULL, &w->head, error);
+    json_decref(defaults);
+    if (result != MCV_OK) return result;
+    /* A single profile needs no feed of the head. */
+    if (w->head.command.profile_count == 1 && w->command->feed[0] == 0) w->head.command.feed[0] = 0;
+    w->command = &w->head.command;
+    return MCV_OK;
+}
+
 static mcv_result run(work *w, mcv_picture **picture, char **report, mcv_error *error) {
     mcv_scene **const scenes[] = {&w->still, &w->moving};
     for (int i = 0; i < 2; ++i) {
@@ -199,6 +218,7 @@ static mcv_result run(work *w, mcv_picture **picture, char **report, mcv_error *
         MCV_TRY(mcv_session_sensor(*scenes[i], w->command, &w->sensor, error));
         w->whole[i] = (*scenes[i])->sensors[w->sensor];
     }
+    MCV_TRY(take_head(w, error));
     snprintf(w->rendering->sensor, sizeof w->rendering->sensor, "%s", w->whole[0].name);
     mcv_result result = mcv_scan_begin(w->command, w->still, w->sensor, &w->scan, error);
     if (result == MCV_OK && !w->command->scan_speckle)
@@ -218,13 +238,15 @@ static mcv_result run_rig(mcv_session *session, const mcv_rig *rig, const char *
     mcv_options_given given;
     MCV_TRY(
         mcv_options_read(text, session->defaults, MCV_VERB_SCAN, arguments, NULL, &given, error));
-    work w = {.session = session, .rig = rig, .command = &given.command, .rendering = r};
+    work w = {
+        .session = session, .rig = rig, .command = &given.command, .text = text, .rendering = r};
     mcv_result result = mcv_rendering_changes(r, rig, &given.command, error);
     if (result == MCV_OK) result = run(&w, picture, report, error);
     mcv_scene_free(w.still);
     mcv_scene_free(w.moving);
     free((void *)r->rendered.set.items);
     mcv_options_free(&given);
+    if (w.command != &given.command) mcv_options_free(&w.head);
     return result;
 }
 

@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Sensors and emitters: their definitions in MCVISI_sensors and MCVISI_emitters, glTF cameras, and
- * what nodes place. */
+/* The definitions in MCVISI_sensors and MCVISI_emitters, and the emitters that nodes place. */
 #include "loader/loader.h"
 
 #include "scene/emitters.h"
@@ -11,21 +10,7 @@
 
 #include <stdlib.h>
 
-static const char *const element_keys[] = {"name", "type", "extras", "extensions", NULL};
-
 /* --- definitions --- */
-
-static mcv_result define_sensor(const json_t *object, mcv_sensor *sensor,
-                                const mcv_json_path *place, mcv_error *error) {
-    uint32_t type;
-    MCV_TRY(mcv_element_type(object, mcv_sensor_types, MCV_SENSOR_TYPE_COUNT, &type, place, error));
-    const mcv_param_table table = mcv_sensor_table(type);
-    mcv_params_set_defaults(table, &sensor->as);
-    MCV_TRY(mcv_params_parse(table, object, element_keys, &sensor->as, place, error));
-    sensor->name = (char *)mcv_json_name(object);
-    sensor->type = type == MCV_SENSOR_LINE_SCAN ? MCV_SENSOR_THIN_LENS : type;
-    return mcv_sensor_resolve(sensor, place, error);
-}
 
 /* A projector needs an image or a pattern. */
 static mcv_result check_picture(mcv_emitter *emitter, const mcv_json_path *place,
@@ -56,7 +41,7 @@ static mcv_result define_emitter(const mcv_scene *scene, const json_t *object, m
     preset->type = is_preset ? type : MCV_NONE;
     void *params = is_preset ? (void *)&preset->as : (void *)&emitter->as;
     mcv_params_set_defaults(table, params);
-    MCV_TRY(mcv_params_parse(table, object, element_keys, params, place, error));
+    MCV_TRY(mcv_params_parse(table, object, mcv_element_keys, params, place, error));
     emitter->name = (char *)mcv_json_name(object);
     emitter->type = type;
     emitter->bare_angle = json_is_number(json_object_get(object, "halfAngle")) ||
@@ -90,7 +75,7 @@ mcv_result mcv_load_definitions(mcv_loader *loader, mcv_error *error) {
     for (size_t i = 0; i < loader->sensor_count; ++i) {
         const json_t *object = json_array_get(sensors, i);
         const mcv_json_path here = mcv_json_path_element(&sensors_place, mcv_json_name(object), i);
-        MCV_TRY(define_sensor(object, loader->sensors + i, &here, error));
+        MCV_TRY(mcv_define_sensor(object, loader->sensors + i, &here, error));
     }
     for (size_t i = 0; i < loader->emitter_count; ++i) {
         const json_t *object = json_array_get(emitters, i);
@@ -219,113 +204,4 @@ mcv_result mcv_load_emitter(mcv_loader *loader, const json_t *node, const mcv_tr
                            "the mesh of its node \"%s\" has no triangles to emit from",
                            mcv_json_name(node));
     return add_emitters(loader, &emitter, first, last, error);
-}
-
-/* --- sensors --- */
-
-/* A glTF camera has no pixels: it gets this many in x, square, of 10 µm. */
-enum { CAMERA_WIDTH = 1024 };
-static const double camera_pixel = 10e-6;
-
-static uint32_t camera_height(double aspect) {
-    return (uint32_t)fmin(fmax(round(CAMERA_WIDTH / aspect), 1), 65536);
-}
-
-static void perspective_sensor(const json_t *lens, mcv_sensor *sensor) {
-    const double yfov = json_number_value(json_object_get(lens, "yfov"));
-    const json_t *given = json_object_get(lens, "aspectRatio");
-    const double aspect = given ? json_number_value(given) : 1;
-    mcv_pinhole_params *p = &sensor->as.pinhole;
-    sensor->type = MCV_SENSOR_PINHOLE;
-    mcv_params_set_defaults(mcv_sensor_table(sensor->type), p);
-    p->resolution[0] = CAMERA_WIDTH;
-    p->resolution[1] = camera_height(aspect);
-    p->pixelSize[1] = camera_pixel;
-    p->pixelSize[0] = camera_pixel * p->resolution[1] * aspect /
-                      CAMERA_WIDTH; /* the height is rounded, the aspect ratio is not */
-    p->imageDistance = camera_pixel * p->resolution[1] / (2 * tan(yfov / 2));
-}
-
-/*
- * Magnification 1, in focus at zfar (a depth that fits the parameter), with so small a stop that a
- * point at the lens is blurred by a thousandth of a pixel.
- */
-static void orthographic_sensor(const json_t *lens, mcv_sensor *sensor) {
-    const double xmag = fabs(json_number_value(json_object_get(lens, "xmag")));
-    const double ymag = fabs(json_number_value(json_object_get(lens, "ymag")));
-    mcv_telecentric_params *p = &sensor->as.telecentric;
-    sensor->type = MCV_SENSOR_TELECENTRIC;
-    mcv_params_set_defaults(mcv_sensor_table(sensor->type), p);
-    p->resolution[0] = CAMERA_WIDTH;
-    p->resolution[1] = camera_height(xmag / ymag);
-    p->pixelSize[0] = 2 * xmag / p->resolution[0];
-    p->pixelSize[1] = 2 * ymag / p->resolution[1];
-    p->magnification = 1;
-    p->workingDistance = fmin(json_number_value(json_object_get(lens, "zfar")), 500);
-    p->numericalAperture = 1e-3 * fmin(p->pixelSize[0], p->pixelSize[1]) / (2 * p->workingDistance);
-}
-
-/* Sensors are chosen by name, so names are made unique: "cam", "cam-2". */
-static mcv_result add_sensor(mcv_loader *loader, mcv_sensor *sensor, const char *name,
-                             const mcv_transform *to_world, const mcv_json_path *place,
-                             mcv_error *error) {
-    mcv_scene *scene = loader->scene;
-    char *unique = NULL;
-    bool taken = true;
-    if (!mcv_transform_rigid(to_world, &sensor->to_world))
-        return mcv_fail_at(place, error, "its scale must not be 0");
-    if (mcv_transform_determinant(to_world) < 0)
-        MCV_TRY(mcv_scene_warn(
-            scene, error,
-            "sensor \"%s\": its node mirrors (a negative scale), which has no effect on the "
-            "image; to mirror it, put a mirror into the scene or flip the image",
-            name));
-    for (unsigned n = 1; taken; ++n) {
-        free(unique);
-        if ((n == 1 ? asprintf(&unique, "%s", name) : asprintf(&unique, "%s-%u", name, n)) < 0)
-            return mcv_fail_memory(place, error);
-        taken = false;
-        for (uint32_t i = 0; i < scene->sensor_count; ++i)
-            taken = taken || strcmp(scene->sensors[i].name, unique) == 0;
-    }
-    sensor->name = unique;
-    const mcv_result result = mcv_scene_add_sensor(scene, sensor, error);
-    free(unique);
-    return result;
-}
-
-/* The first name that is not empty. */
-static const char *first_name(const char *a, const char *b, const char *c) {
-    return a && *a ? a : *b ? b : c;
-}
-
-mcv_result mcv_load_sensors(mcv_loader *loader, const json_t *node, const mcv_transform *to_world,
-                            const mcv_json_path *place, mcv_error *error) {
-    uint32_t index, camera_index;
-    const json_t *cameras = json_object_get(loader->root, "cameras");
-    mcv_node_motion motion;
-    if (loader->is_asset) return MCV_OK;
-    MCV_TRY(mcv_load_reference(node, "MCVISI_sensors", "sensor", loader->sensor_count, "sensors",
-                               &index, place, error));
-    MCV_TRY(mcv_load_motion(node, &motion, place, error));
-    if (index != MCV_NONE) {
-        mcv_sensor sensor = loader->sensors[index];
-        sensor.motion = motion;
-        ++loader->sensor_uses[index];
-        return add_sensor(loader, &sensor, first_name(sensor.name, mcv_json_name(node), "sensor"),
-                          to_world, place, error);
-    }
-    MCV_TRY(mcv_json_index(node, "camera", json_array_size(cameras), "cameras", &camera_index,
-                           place, error));
-    if (camera_index == MCV_NONE) return MCV_OK;
-    const json_t *camera = json_array_get(cameras, camera_index),
-                 *lens = json_object_get(camera, "perspective");
-    mcv_sensor sensor = {.motion = motion};
-    if (lens)
-        perspective_sensor(lens, &sensor);
-    else
-        orthographic_sensor(json_object_get(camera, "orthographic"), &sensor);
-    return add_sensor(loader, &sensor,
-                      first_name(mcv_json_name(node), mcv_json_name(camera), "camera"), to_world,
-                      place, error);
 }

@@ -194,6 +194,14 @@ mcv_result mcv_load_definitions(mcv_loader *loader, mcv_error *error);
 mcv_result mcv_load_emitter(mcv_loader *loader, const json_t *node, const mcv_transform *to_world,
                             uint32_t first, uint32_t last, const mcv_json_path *place,
                             mcv_error *error);
+
+/* load_sensors.c: members of each sensor and emitter beside its parameters, NULL at the end; the
+ * first exposure of an object of MCVISI_sensors (all are checked); and what a node places. */
+extern const char *const mcv_element_keys[];
+
+mcv_result mcv_define_sensor(const json_t *object, mcv_sensor *sensor, const mcv_json_path *place,
+                             mcv_error *error);
+
 mcv_result mcv_load_sensors(mcv_loader *loader, const json_t *node, const mcv_transform *to_world,
                             const mcv_json_path *place, mcv_error *error);
 

@@ -47,7 +47,8 @@ void mcv_command_free(mcv_command *command);
 
 /*
  * The options of the command's verb that can be told from the default, by their names, as texts,
- * numbers and lists of texts such as stand on the command line; without those of `without` (names,
+ * numbers and lists of texts such as stand on the command line (of scan: all that stand there);
+ * without those of `without` (names,
  * NULL at the end) and flags, which mcv_command_flags adds. NULL without memory.
  */
 json_t *mcv_command_json(const mcv_command *command, const char *const *without);

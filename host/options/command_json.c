@@ -82,6 +82,19 @@ static json_t *value_json(const mcv_option *o, const mcv_command *command) {
     return NULL;
 }
 
+/* Does the option stand on the command line? Sensors of scans have defaults of their own, before
+ * which it goes even with the value of the general default. */
+static bool stands_there(const mcv_option *o, const mcv_command *command) {
+    const size_t length = strlen(o->name);
+    for (int i = 1; command->verb == MCV_VERB_SCAN && i < command->argc; ++i) {
+        const char *word = command->argv[i];
+        if (strncmp(word, "--", 2) == 0 && strncmp(word + 2, o->name, length) == 0 &&
+            (word[2 + length] == '\0' || word[2 + length] == '='))
+            return true;
+    }
+    return false;
+}
+
 json_t *mcv_command_json(const mcv_command *command, const char *const *without) {
     mcv_command defaults = {0};
     mcv_error ignored;
@@ -93,7 +106,9 @@ json_t *mcv_command_json(const mcv_command *command, const char *const *without)
             left_out = left_out || strcmp(*name, o->name) == 0;
         if (left_out) continue;
         if (o->preset) (void)mcv_option_set(o, o->preset, &defaults, &ignored);
-        if (is_given(o, command, &defaults)) mcv_json_put(&object, o->name, value_json(o, command));
+        if (is_given(o, command, &defaults) ||
+            (o->kind != MCV_KIND_flag && stands_there(o, command)))
+            mcv_json_put(&object, o->name, value_json(o, command));
     }
     return object;
 }

@@ -55,6 +55,14 @@ static const char *light_name(const mcv_rig_design *r) {
 /* Does the camera of a triangulation head look from below its laser? */
 static bool is_below(const mcv_rig_design *r) { return r->elevation > 0; }
 
+/* What `mcvisi scan` needs: a few profiles, as far apart as their points. */
+static void print_head(FILE *out, const mcv_rig_design *r) {
+    fprintf(out,
+            ",\n         \"laser\": \"laser\", \"frame\": \"part\", \"profiles\": 10, \"feed\": "
+            "\"%s\", \"exposeTo\": 0.8",
+            mcv_rig_length(r->pixel / r->magnification, CHOSEN));
+}
+
 static void print_sensor(FILE *out, const mcv_rig_design *r) {
     const mcv_rig_wishes *w = &r->wishes;
     const int digits = lens_digits(r);
@@ -68,7 +76,9 @@ static void print_sensor(FILE *out, const mcv_rig_design *r) {
         fprintf(out,
                 "{\"name\": \"camera\", \"type\": \"%s\", \"focalLength\": \"%s\", "
                 "\"focusDistance\": \"%s\", ",
-                is_light_field(r) ? "lightField" : "thinLens",
+                is_light_field(r)          ? "lightField"
+                : w->kind == MCV_RIG_LASER ? "laserTriangulation"
+                                           : "thinLens",
                 mcv_rig_length(r->focal_length, digits),
                 mcv_rig_length(r->working_distance, digits));
     if (is_light_field(r))
@@ -86,8 +96,10 @@ static void print_sensor(FILE *out, const mcv_rig_design *r) {
         fprintf(out, "\"tilt\": \"%.6gdeg\", \"tiltDirection\": \"%ddeg\", ",
                 180 / M_PI * atan(r->magnification / tan(MCV_RIG_ANGLE * (M_PI / 180))),
                 is_below(r) ? 180 : 0);
-    fprintf(out, "\"pixelSize\": \"%s\", \"radiometry\": \"irradiance\"}",
+    fprintf(out, "\"pixelSize\": \"%s\", \"radiometry\": \"irradiance\"",
             mcv_rig_length(r->pixel, w->pixel_size > 0 ? GIVEN : CHOSEN));
+    if (w->kind == MCV_RIG_LASER) print_head(out, r);
+    fputc('}', out);
 }
 
 static void print_emitter(FILE *out, const mcv_rig_design *r) {
@@ -170,8 +182,8 @@ static void print_note(FILE *out, const mcv_rig_design *r) {
     }
     if (r->wishes.kind == MCV_RIG_LASER)
         fprintf(out,
-                " from %d degrees aside of a laser line, whose plane is in focus: see `mcvisi "
-                "triangulate`. ",
+                " from %d degrees aside of a laser line, whose plane is in focus: `mcvisi "
+                "scan` measures its heights. ",
                 MCV_RIG_ANGLE);
     else if (r->wishes.kind == MCV_RIG_TRANSPARENT)
         fprintf(out, " before a parallel panel: what deflects light shows in `mcvisi lightfield "

@@ -27,6 +27,11 @@ MCV_MATERIALS(MCV_X)
 MCV_X(medium, , MEDIUM) /* what those of MCV_MEDIUM_MATERIALS begin with */
 #undef MCV_X
 typedef mcv_thin_lens_params mcv_line_scan_params;
+/* It begins as those of a thin lens. */
+typedef struct mcv_laser_triangulation_params {
+    mcv_thin_lens_params lens;
+    MCV_HEAD_PARAMS(MCV_DEFINE_FIELD)
+} mcv_laser_triangulation_params;
 
 /* Sets all parameters of `params` to their defaults (NaN if unset), for elements made by hand;
  * table from mcv_<kind>_table(type). */
@@ -35,7 +40,7 @@ typedef struct mcv_param_table {
     size_t count;
     size_t struct_size;
 } mcv_param_table;
-mcv_param_table mcv_sensor_table(uint32_t type);  /* lineScan too */
+mcv_param_table mcv_sensor_table(uint32_t type);  /* those that are rendered as others, too */
 mcv_param_table mcv_emitter_table(uint32_t type); /* presets too */
 mcv_param_table mcv_material_table(uint32_t type);
 void mcv_params_set_defaults(mcv_param_table table, void *params);

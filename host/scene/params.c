@@ -16,6 +16,15 @@
     }
 MCV_SENSORS(MCV_TABLE)
 MCV_TABLE(line_scan, "lineScan", LINE_SCAN)
+/* A thin lens, and then the rest. */
+#define MCV_LENS_ROW(kind, key, default_value, min, max, doc) \
+    {MCV_PARAM_##kind, #key, offsetof(element_params, lens.key), default_value, min, max, doc},
+static mcv_param_table laser_triangulation_table(void) {
+    typedef mcv_laser_triangulation_params element_params;
+    static const mcv_param rows[] = {MCV_THIN_LENS_PARAMS(MCV_LENS_ROW)
+                                         MCV_HEAD_PARAMS(MCV_PARAM_ROW){0}};
+    return (mcv_param_table){rows, sizeof rows / sizeof rows[0] - 1, sizeof(element_params)};
+}
 MCV_EMITTERS(MCV_TABLE)
 MCV_PRESETS(MCV_TABLE)
 MCV_MATERIALS(MCV_TABLE)
@@ -23,10 +32,11 @@ MCV_MATERIALS(MCV_TABLE)
 #define MCV_CALL(name, key, NAME) name##_table,
 #define MCV_TYPE(name, key, NAME) key,
 typedef mcv_param_table table_of(void);
-static table_of *const sensor_tables[] = {MCV_SENSORS(MCV_CALL) line_scan_table};
+static table_of *const sensor_tables[] = {MCV_SENSORS(MCV_CALL) line_scan_table,
+                                          laser_triangulation_table};
 static table_of *const emitter_tables[] = {MCV_EMITTERS(MCV_CALL) MCV_PRESETS(MCV_CALL)};
 static table_of *const material_tables[] = {MCV_MATERIALS(MCV_CALL)};
-const char *const mcv_sensor_types[] = {MCV_SENSORS(MCV_TYPE) "lineScan"};
+const char *const mcv_sensor_types[] = {MCV_SENSORS(MCV_TYPE) "lineScan", "laserTriangulation"};
 const char *const mcv_emitter_types[] = {MCV_EMITTERS(MCV_TYPE) MCV_PRESETS(MCV_TYPE)};
 const char *const mcv_material_types[] = {MCV_MATERIALS(MCV_TYPE)};
 
@@ -308,11 +318,11 @@ static mcv_result parse_value(const mcv_param *param, const json_t *value, void 
 
 static mcv_result fail_unknown(mcv_param_table table, const char *const *others,
                                const mcv_json_path *place, const char *key, mcv_error *error) {
-    const char *words[64];
+    const char *words[96];
     char list[1024] = "";
     size_t n = 0;
-    for (size_t i = 0; i < table.count && n < 48; ++i) words[n++] = table.params[i].key;
-    for (size_t i = 0; others[i] && n < 64; ++i) words[n++] = others[i];
+    for (size_t i = 0; i < table.count && n < 88; ++i) words[n++] = table.params[i].key;
+    for (size_t i = 0; others[i] && n < 96; ++i) words[n++] = others[i];
     const char *nearest = mcv_nearest_word(key, words, n);
     if (nearest)
         return mcv_fail_at(place, error, "unknown key \"%s\": did you mean \"%s\"?", key, nearest);

@@ -54,7 +54,8 @@ bool mcv_is_metal(const char *name, char list[256]);
 /* The number that "type" names in a list of elements; an error lists the types. */
 mcv_result mcv_element_type(const json_t *object, const char *const *types, uint32_t count,
                             uint32_t *type, const mcv_json_path *place, mcv_error *error);
-extern const char *const mcv_sensor_types[MCV_SENSOR_TYPE_COUNT];   /* lineScan too */
+extern const char
+    *const mcv_sensor_types[MCV_SENSOR_TYPE_COUNT]; /* those that are rendered as others, too */
 extern const char *const mcv_emitter_types[MCV_EMITTER_TYPE_COUNT]; /* presets too */
 extern const char *const mcv_material_types[MCV_MATERIAL_COUNT];
 

@@ -164,10 +164,12 @@ typedef struct mcv_sensor {
     mcv_transform to_world; /* rotation and translation of the node, scale removed; the sensor looks
                                along the node's -z, +y is up */
     mcv_node_motion motion;
+    bool is_head; /* of type laserTriangulation: a thin lens with options for a scan */
     union {
 #define MCV_X(name, key, NAME) mcv_##name##_params name;
         MCV_SENSORS(MCV_X)
 #undef MCV_X
+        mcv_laser_triangulation_params laser_triangulation; /* a thin lens with is_head */
     } as; /* resolved: the report's parameters are all set */
 } mcv_sensor;
 

@@ -62,6 +62,11 @@ typedef struct mcv_scan {
     bool budget;
 } mcv_scan;
 
+/* scan_head.c: the options that a sensor of type laserTriangulation gives a scan, over which
+ * `defaults` (an object or NULL) go; `given`: what the command alone says. NULL without memory. */
+json_t *mcv_scan_head(const mcv_sensor *sensor, const char *scene, const mcv_command *given,
+                      const json_t *defaults);
+
 /* Reads the options and what the scene's head is. MCV_BAD_INPUT where other lamps light the scene,
  * which make no speckle. After failure, too, it is freed by mcv_scan_free. */
 mcv_result mcv_scan_begin(const mcv_command *command, const mcv_scene *scene, uint32_t sensor,

@@ -95,8 +95,13 @@
 #define MCV_PRESET_ENUM(name, key, NAME) MCV_PRESET_##NAME,
 #define MCV_MATERIAL_ENUM(name, key, NAME) MCV_MATERIAL_##NAME,
 enum { MCV_SENSORS(MCV_SENSOR_ENUM) MCV_SENSOR_COUNT };
-/* A word for another sensor with some of its parameters (mcvisi/sensors/thin_lens.h). */
-enum { MCV_SENSOR_LINE_SCAN = MCV_SENSOR_COUNT, MCV_SENSOR_TYPE_COUNT };
+/* Words for another sensor with some of its parameters, or more (mcvisi/sensors/thin_lens.h,
+ * laser_triangulation.h). */
+enum {
+    MCV_SENSOR_LINE_SCAN = MCV_SENSOR_COUNT,
+    MCV_SENSOR_LASER_TRIANGULATION,
+    MCV_SENSOR_TYPE_COUNT
+};
 enum { MCV_EMITTERS(MCV_EMITTER_ENUM) MCV_EMITTER_COUNT };
 enum {
     MCV_PRESET_BEFORE = MCV_EMITTER_COUNT - 1,
@@ -116,6 +121,9 @@ enum { MCV_MATERIALS(MCV_MATERIAL_ENUM) MCV_MATERIAL_COUNT };
 #endif
 #if !MCV_ON_DEVICE || defined(MCV_SENSOR_thin_lens)
 #include "mcvisi/sensors/thin_lens.h"
+#endif
+#if !MCV_ON_DEVICE
+#include "mcvisi/sensors/laser_triangulation.h"
 #endif
 #if !MCV_ON_DEVICE || defined(MCV_SENSOR_telecentric)
 #include "mcvisi/sensors/telecentric.h"

@@ -82,6 +82,8 @@ enum {
     X(profile, "V", "U") \
     X(widthMeasure, "none", "1/e2", "FWHM") \
     X(fanProfile, "plane", "angle", "gaussian", "table") \
+    X(extractor, "cog", "parabola", "logGauss", "blaisRioux", "gauss", "steger") \
+    X(across, "columns", "rows") \
     X(metal, "aluminium", "chromium", "copper", "gold", "iron", "nickel", "silver", "titanium") \
     X(glass, "none", "N-BK7", "N-K5", "N-BAK4", "N-SK2", "N-SK16", "N-SSK2", "N-LAK8", "N-LAK22", \
       "N-LASF9", "N-BAF10", "F2", "N-F2", "F5", "SF5", "N-SF5", "SF6", "N-SF6", "N-SF10", \
