@@ -4,6 +4,7 @@
 
 #include <math.h>
 #include <stdlib.h>
+#include <string.h>
 
 #include "core/parallel.h"
 
@@ -15,16 +16,32 @@ typedef struct product {
     mcv_image *mean, *deviation;
 } product;
 
-static void light_row(const product *p, size_t row) {
+/* The sums of a row over its entries, of the means and of each replicate. */
+static inline void add_entries(const product *p, size_t row, uint32_t replicates, double *sum,
+                               double *by_replicate) {
     const mcv_matrix *m = p->matrix;
-    const uint32_t channel = (uint32_t)(row % m->channels), replicates = m->replicates;
-    const size_t to = channel * (size_t)m->width * m->height + row / m->channels;
-    double sum = 0, by_replicate[MCV_MAX_REPLICATES] = {0};
+    const uint32_t channel = (uint32_t)(row % m->channels);
     for (uint64_t i = m->row_begins[row]; i < m->row_begins[row + 1]; ++i) {
         const double shown = p->pattern[(size_t)m->columns[i] * m->channels + channel];
         const float *of = m->replicates_of + i * replicates;
-        sum += m->values[i] * shown;
+        *sum += m->values[i] * shown;
         for (uint32_t r = 0; r < replicates; ++r) by_replicate[r] += shown * (double)of[r];
+    }
+}
+
+static void light_row(const product *p, size_t row) {
+    enum { USUAL = 4 };
+    const mcv_matrix *m = p->matrix;
+    const uint32_t replicates = m->replicates;
+    const size_t to = row % m->channels * (size_t)m->width * m->height + row / m->channels;
+    double sum = 0, by_replicate[MCV_MAX_REPLICATES];
+    if (replicates == USUAL) { /* their number is known to the compiler: in registers */
+        double few[USUAL] = {0};
+        add_entries(p, row, USUAL, &sum, few);
+        memcpy(by_replicate, few, sizeof few);
+    } else {
+        memset(by_replicate, 0, replicates * sizeof *by_replicate);
+        add_entries(p, row, replicates, &sum, by_replicate);
     }
     p->mean->pixels[to] = (float)sum;
     p->deviation->pixels[to] =
