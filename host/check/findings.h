@@ -83,7 +83,6 @@ typedef struct mcv_findings {
     X(outline) \
     X(small_defect) \
     X(wavelength) \
-    X(brushed_texture) \
     X(growth) \
     X(extras)
 

@@ -18,7 +18,7 @@ enum {
     HALVES = MCV_BRUSHED_HALVES,
     ACROSS = 2 * HALVES - 1, /* entries of d_y, of both signs */
     WORDS = MCV_MULTIPLE_WORDS,
-    ENTRIES = MIDDLES * MIDDLES * HALVES * ACROSS
+    ENTRIES = MCV_BRUSHED_ENTRIES
 };
 
 typedef struct surface {

@@ -141,9 +141,7 @@ mcv_result mcv_pack_glossy(const mcv_scene *scene, const mcv_packed *earlier, mc
         mcv_albedo_source multiple = source;
         multiple.multiple = true;
         if (multiple.roughnesses > 1) multiple.roughnesses = MCV_MULTIPLE_ROUGHNESSES;
-        /* Brushed metal of many roughnesses has none: their tables would take seconds. */
-        const bool tabulated = to->azimuths == 1 || to->roughnesses == 1;
-        if (from->type == MCV_MATERIAL_METALLIC_ROUGHNESS && to->metallic > 0 && tabulated)
+        if (from->type == MCV_MATERIAL_METALLIC_ROUGHNESS && to->metallic > 0)
             MCV_TRY(find_table(earlier, packed, multiple, &to->multiple, error));
         if (from->type != MCV_MATERIAL_CONDUCTOR) continue;
         for (int k = 0; k < 3; ++k) {
@@ -154,7 +152,7 @@ mcv_result mcv_pack_glossy(const mcv_scene *scene, const mcv_packed *earlier, mc
         MCV_TRY(find_table(earlier, packed, source, &to->table, error));
         memcpy(multiple.n, from->as.conductor.n, sizeof multiple.n);
         memcpy(multiple.k, from->as.conductor.k, sizeof multiple.k);
-        if (tabulated) MCV_TRY(find_table(earlier, packed, multiple, &to->multiple, error));
+        MCV_TRY(find_table(earlier, packed, multiple, &to->multiple, error));
         for (int k = 0; k < 3; ++k)
             packed->materials[i].color[k] = (float)left_by_facets(
                 mcv_conductor_mean(from->as.conductor.n[k], from->as.conductor.k[k]),

@@ -139,14 +139,12 @@ double ref_gloss_evaluate(const ref_gloss *g, ref_vec o, ref_vec i, double value
         const double facets = ref_ggx(l.alpha, h) * c / o.z * jacobian,
                      own = ref_lambda(l.alpha, o);
         double words[MCV_MULTIPLE_WORDS] = {0};
+        const double layer =
+            g->table->albedos.roughnesses > 1 ? g->roughness * (MCV_MULTIPLE_ROUGHNESSES - 1) : 0;
         if (g->table->orders && !far && l.alpha[0] != l.alpha[1])
-            ref_brushed_at(g->table->orders, l.alpha, o, i, words);
+            ref_brushed_at(g->table->orders, l.alpha, layer, o, i, words);
         else if (g->table->orders && !far)
-            ref_orders_at(g->table->orders, glass,
-                          g->table->albedos.roughnesses > 1
-                              ? g->roughness * (MCV_MULTIPLE_ROUGHNESSES - 1)
-                              : 0,
-                          o, i, words);
+            ref_orders_at(g->table->orders, glass, layer, o, i, words);
         for (int channel = 0; g->table->orders && !far && channel < 3; ++channel) {
             const double b = g->base[channel];
             reflects[channel] += glass ? words[g->inside]

@@ -72,8 +72,8 @@ static double brushed_place(double d, double m, double alpha, double upright) {
     return (MCV_BRUSHED_HALVES - 1) * (v * (1 + k) / (v + k) + 1 - sqrt(1 - v)) / 2;
 }
 
-void ref_brushed_at(const float *orders, const double alpha[2], ref_vec o, ref_vec i,
-                    double words[MCV_MULTIPLE_WORDS]) {
+void ref_brushed_at(const float *orders, const double alpha[2], double roughness, ref_vec o,
+                    ref_vec i, double words[MCV_MULTIPLE_WORDS]) {
     enum { M = MCV_BRUSHED_MIDDLES, D = MCV_BRUSHED_HALVES };
     static const int counts[4] = {M, M, D, 2 * D - 1};
     const ref_vec w[2] = {o, {i.x, i.y, fabs(i.z)}};
@@ -96,16 +96,20 @@ void ref_brushed_at(const float *orders, const double alpha[2], ref_vec o, ref_v
     }
     places[3] = D - 1 + (turned ? -places[3] : places[3]);
     for (int word = 0; word < MCV_MULTIPLE_WORDS; ++word) words[word] = 0;
-    for (int corner = 0; corner < 16; ++corner) {
-        double weight = 1;
+    const int layer = (int)fmin(roughness, MCV_MULTIPLE_ROUGHNESSES - 2);
+    for (int corner = 0; corner < 32; ++corner) {
+        const int above = corner >> 4;
+        double weight = above ? roughness - layer : 1 - (roughness - layer);
         size_t at = 0;
+        if (weight == 0) continue;
         for (int axis = 0; axis < 4; ++axis) {
             const int low = (int)fmin(places[axis], counts[axis] - 2), next = corner >> axis & 1;
             weight *= next ? places[axis] - low : 1 - (places[axis] - low);
             at = at * (size_t)counts[axis] + (size_t)(low + next);
         }
+        const float *table = orders + (size_t)(layer + above) * mcv_multiple_brushed_words();
         for (int word = 0; word < MCV_MULTIPLE_WORDS; ++word)
-            words[word] += weight * (double)orders[MCV_MULTIPLE_WORDS * at + (size_t)word];
+            words[word] += weight * (double)table[MCV_MULTIPLE_WORDS * at + (size_t)word];
     }
 }
 
@@ -231,8 +235,8 @@ static bool albedos_new(ref_albedos *albedos, const mcv_material *material, doub
     return true;
 }
 
-/* Tables of multiple scattering at each roughness, where the material is a metal or glass that has
- * no direction; of brushed metal with one roughness. */
+/* Tables of multiple scattering at each roughness, where the material is a metal, or glass that has
+ * no direction. */
 static bool orders_new(const mcv_material *material, double outside, float **orders) {
     const mcv_roughness roughness = mcv_material_roughness(material);
     const bool conductor = material->type == MCV_MATERIAL_CONDUCTOR,
@@ -245,15 +249,15 @@ static bool orders_new(const mcv_material *material, double outside, float **ord
     *orders = NULL;
     const bool brushed = roughness.anisotropy > 0,
                metal = conductor || (layered && material->as.metallic_roughness.metallic > 0);
-    if (brushed ? !metal || count > 1 : !(outside > 0 || metal)) return true;
-    *orders = malloc(sizeof(float) * count *
-                     (brushed       ? mcv_multiple_brushed_words()
-                      : outside > 0 ? mcv_interface_words()
-                                    : mcv_multiple_words()));
+    if (brushed ? !metal : !(outside > 0 || metal)) return true;
+    const uint32_t words = brushed       ? mcv_multiple_brushed_words()
+                           : outside > 0 ? mcv_interface_words()
+                                         : mcv_multiple_words();
+    *orders = malloc(sizeof(float) * count * words);
     for (uint32_t i = 0; *orders && i < count; ++i) {
         double alpha[2];
         ref_alphas(&roughness, count > 1 ? i / (count - 1.0) : 1, alpha);
-        float *table = *orders + (size_t)i * mcv_multiple_words();
+        float *table = *orders + (size_t)i * words;
         made =
             made &&
             (brushed       ? mcv_multiple_brushed(alpha, n, k, table)

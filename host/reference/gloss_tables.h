@@ -15,9 +15,9 @@ void ref_albedos_at(const ref_albedos *albedos, ref_vec w, double roughness, dou
 /* The pair's mean over all directions. */
 void ref_albedos_mean(const ref_albedos *albedos, double roughness, double pair[2]);
 
-/* The words of a brushed metal's table for two directions. */
-void ref_brushed_at(const float *orders, const double alpha[2], ref_vec o, ref_vec i,
-                    double words[MCV_MULTIPLE_WORDS]);
+/* The words of a brushed metal's table for two directions; `roughness` as in ref_orders_at. */
+void ref_brushed_at(const float *orders, const double alpha[2], double roughness, ref_vec o,
+                    ref_vec i, double words[MCV_MULTIPLE_WORDS]);
 
 /* The words of the entry for two directions, of a metal or of glass; `roughness` is the index of
  * the table, which may lie between two. */

@@ -144,18 +144,36 @@ MCV_LOOP_FUNCTION float mcv_multiple_word(__global const float *table, mcv_multi
     return mcv_fma(place.far, far, mcv_fma(place.middle, middle, place.near * near));
 }
 
+/* The table of the roughness below, and how far it is to the next. */
+MCV_LOOP_FUNCTION uint mcv_multiple_layer(float layer, float *beyond) {
+    const float at =
+        layer * ((float)(MCV_MULTIPLE_ROUGHNESSES - 1) / (float)(MCV_ALBEDO_ROUGHNESSES - 1));
+    const uint low = min((uint)at, (uint)(MCV_MULTIPLE_ROUGHNESSES - 2));
+    *beyond = at - (float)low;
+    return low;
+}
+
 /* A word of a metal at its roughness. */
 MCV_LOOP_FUNCTION float mcv_metal_word(const mcv_device_glossy *m, float layer,
                                        __global const float *table, mcv_multiple_place place) {
     if (m->roughnesses == 1) return mcv_multiple_word(table, place);
     const uint size =
         MCV_MULTIPLE_WORDS * MCV_MULTIPLE_COSINES * MCV_MULTIPLE_COSINES * MCV_MULTIPLE_AZIMUTHS;
-    const float at =
-        layer * ((float)(MCV_MULTIPLE_ROUGHNESSES - 1) / (float)(MCV_ALBEDO_ROUGHNESSES - 1));
-    const uint low = min((uint)at, (uint)(MCV_MULTIPLE_ROUGHNESSES - 2));
+    float beyond;
+    const uint low = mcv_multiple_layer(layer, &beyond);
     const float below = mcv_multiple_word(table + low * size, place);
     const float above = mcv_multiple_word(table + (low + 1) * size, place);
-    return mcv_fma(at - (float)low, above - below, below);
+    return mcv_fma(beyond, above - below, below);
+}
+
+/* The words of a brushed metal at its roughness. */
+MCV_LOOP_FUNCTION mcv_brushed_words mcv_brushed_metal(const mcv_device_glossy *m, float layer,
+                                                      __global const float *table,
+                                                      mcv_brushed_place place) {
+    float beyond;
+    const uint low = mcv_multiple_layer(layer, &beyond);
+    if (!MCV_WITH_TEXTURE || m->roughnesses == 1) return mcv_brushed_at(table, place);
+    return mcv_brushed_between(table, low, beyond, place);
 }
 
 /* What Schlick's words of an entry are together: of f², f and 1 in two reflections, and of further
@@ -198,8 +216,8 @@ MCV_LOOP_FUNCTION mcv_color mcv_microfacet_multiple(const mcv_device_glossy *m,
 #endif
     __global const float *table = tables + m->multiple;
     if (m->azimuths > 1) {
-        const mcv_brushed_words at =
-            mcv_brushed_at(table, mcv_find_brushed(microfacets->alpha, o, i));
+        const mcv_brushed_words at = mcv_brushed_metal(m, microfacets->layer, table,
+                                                       mcv_find_brushed(microfacets->alpha, o, i));
         if (!MCV_WITH_METAL || microfacets->type != MCV_MATERIAL_CONDUCTOR)
             return mcv_schlick_multiple(microfacets, more, at.word[0], at.word[1], at.word[2],
                                         at.word[3]);

@@ -1,6 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* ctest: label truth */
 /* Metals of microfacets on the device against walks from microfacet to microfacet. */
+#define MCV_BRUSHED_TEXTURE
 #include "gloss_bench.h"
 
 #include "truths.h"
@@ -241,7 +242,10 @@ static void put_brushed(size_t c, float *to) {
 }
 
 static void check_brushed(const subject *s, float *cases, float *results) {
-    const double n = s->material.as.conductor.n[0], k = s->material.as.conductor.k[0];
+    /* The metal of glTF is white. */
+    const bool conductor = s->type == MCV_MATERIAL_CONDUCTOR;
+    const double n = conductor ? s->material.as.conductor.n[0] : 0,
+                 k = conductor ? s->material.as.conductor.k[0] : 3;
     bench b = open_bench(s, false, false);
     ref_random random = {(uint64_t)(s - subjects) + 600};
     double total = 0, moved = 0, squares = 0, first[2] = {0}, ring[3] = {0};
@@ -291,8 +295,9 @@ static void test_brushed(void **state) {
     float *cases = floats(6 * CASES), *results = floats(2 * CASES);
     (void)state;
     for (int s = 0; s < SUBJECTS; ++s)
-        if (subjects[s].type == MCV_MATERIAL_CONDUCTOR &&
-            subjects[s].material.as.conductor.anisotropy > 0)
+        if ((subjects[s].type == MCV_MATERIAL_CONDUCTOR &&
+             subjects[s].material.as.conductor.anisotropy > 0) ||
+            strcmp(subjects[s].name, "brushed metal of glTF, textured") == 0)
             check_brushed(&subjects[s], cases, results);
     free(cases);
     free(results);

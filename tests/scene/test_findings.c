@@ -410,30 +410,6 @@ static void test_curved_glass_of_flat_facets(void **state) {
     expect(scene, "a box", words, -1, "", "");
 }
 
-/* Metal, brushed or not, whose roughness is a texture or not. */
-static mcv_scene *brushed(double anisotropy, double metallic, uint32_t texture) {
-    mcv_scene *scene = mcv_scene_new("brushed");
-    mcv_material metal = {.surface_texture = MCV_NONE};
-    mcv_params_set_defaults(mcv_material_table(MCV_MATERIAL_METALLIC_ROUGHNESS), &metal.as);
-    metal.as.metallic_roughness.roughness = 0.4;
-    metal.as.metallic_roughness.anisotropy = anisotropy;
-    metal.as.metallic_roughness.metallic = metallic;
-    const uint32_t k = add_material(scene, MCV_MATERIAL_METALLIC_ROUGHNESS, &metal);
-    scene->materials[k].surface_texture = texture;
-    add_rectangle(scene, 1, 1, k, looking_up_z(0, 0, 0));
-    return scene;
-}
-
-static void test_brushed_metal_of_many_roughnesses(void **state) {
-    static const char words[] = "right in sum, not in direction";
-    (void)state;
-    expect(brushed(0.5, 1, 0), "brushed metal with a texture", words, MCV_SEVERITY_NOTE,
-           "materials/material", "up to 23 % too bright");
-    expect(brushed(0.5, 1, MCV_NONE), "brushed metal", words, -1, "", "");
-    expect(brushed(0, 1, 0), "rough metal with a texture", words, -1, "", "");
-    expect(brushed(0.5, 0, 0), "brushed plastic with a texture", words, -1, "", "");
-}
-
 static void test_thin_pane_on_a_closed_mesh(void **state) {
     static const char words[] = "is a thin sheet";
     const double half[3] = {1e-3, 1e-3, 1e-3};
@@ -663,7 +639,6 @@ int main(void) {
         cmocka_unit_test(test_extras),
         cmocka_unit_test(test_curved_glass_of_flat_facets),
         cmocka_unit_test(test_thin_pane_on_a_closed_mesh),
-        cmocka_unit_test(test_brushed_metal_of_many_roughnesses),
         cmocka_unit_test(test_chords_at_outlines),
         cmocka_unit_test(test_long_names),
         cmocka_unit_test(test_time_grows_with_the_number_of_nodes),

@@ -18,6 +18,8 @@
 
 #define MCV_BRUSHED_MIDDLES 9
 #define MCV_BRUSHED_HALVES 9 /* of d_x, and of d_y on either side */
+#define MCV_BRUSHED_ENTRIES \
+    (MCV_BRUSHED_MIDDLES * MCV_BRUSHED_MIDDLES * MCV_BRUSHED_HALVES * (2 * MCV_BRUSHED_HALVES - 1))
 #define MCV_BRUSHED_WIDTH 1.0f
 #define MCV_BRUSHED_LEAST 1e-3f /* added to w_z there */
 
@@ -119,6 +121,18 @@ MCV_LOOP_FUNCTION mcv_brushed_words mcv_brushed_at(MCV_GLOBAL const float *table
             sum.word[k] =
                 mcv_fma(first, at[k], mcv_fma(second, at[MCV_MULTIPLE_WORDS + k], sum.word[k]));
     }
+    return sum;
+}
+
+/* The words there of two tables of many. */
+MCV_LOOP_FUNCTION mcv_brushed_words mcv_brushed_between(MCV_GLOBAL const float *tables, uint first,
+                                                        float beyond, mcv_brushed_place place) {
+    MCV_GLOBAL const float *table = tables + first * MCV_MULTIPLE_WORDS * MCV_BRUSHED_ENTRIES;
+    mcv_brushed_words sum = mcv_brushed_at(table, place);
+    const mcv_brushed_words next =
+        mcv_brushed_at(table + MCV_MULTIPLE_WORDS * MCV_BRUSHED_ENTRIES, place);
+    for (uint k = 0; k < MCV_MULTIPLE_WORDS; ++k)
+        sum.word[k] = mcv_fma(beyond, next.word[k] - sum.word[k], sum.word[k]);
     return sum;
 }
 
