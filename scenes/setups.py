@@ -360,8 +360,67 @@ def gray_code():
     )
 
 
+def laser_head():
+    """A laser line runs over a plate of white plastic and a wedge of ground steel, whose top slopes by
+    15 degrees towards the camera. Laser and camera are on the same side, 15 and 45 degrees aside:
+    they look away from the wedge's glare. The film is tilted, so that the plane of the light is in
+    focus."""
+    scene = Scene(
+        "A laser triangulation head over plastic and a wedge of steel that slopes towards the camera: "
+        "it looks away from the wedge's glare, which nodes/laser/elevation 90deg and "
+        "nodes/camera/elevation 60deg show. `mcvisi scan` measures it."
+    )
+    scene.wavelengths = "660nm"
+    plastic = diffuse(scene, "plastic", 0.8)
+    steel = scene.material("steel", {"type": "conductor", "metal": "iron", "roughness": 0.4})
+    scene.node(
+        "plate", mesh=scene.mesh("plate", plastic, *box((-0.03, -0.005, -0.01), (0.03, 0, 0.01)))
+    )
+    wedge, triangles = box((0.001, 0, -0.004), (0.03, 0.003, 0.004))
+    slope = math.tan(math.radians(15))
+    wedge = [(x, y - slope * z if y > 0 else y, z) for x, y, z in wedge]
+    scene.node("wedge", mesh=scene.mesh("wedge", steel, wedge, triangles))
+    scene.node(
+        "camera",
+        sensor={
+            "name": "camera",
+            "type": "laserTriangulation",
+            "focalLength": "25mm",
+            "focusDistance": "250mm",
+            "fNumber": 8,
+            "tilt": "10.893deg",
+            "tiltDirection": "180deg",
+            "resolution": PIXELS,
+            "pixelSize": "5um",
+            "radiometry": "irradiance",
+            "laser": "laser",
+            "frame": "plate",
+            "profiles": 4,
+            "feed": "0.2mm",
+            "exposeTo": 0.8,
+        },
+        pose={"target": [0, 0.0015, 0], "distance": "250mm", "elevation": "45deg"},
+    )
+    scene.node(
+        "laser",
+        emitter={
+            "name": "laser",
+            "type": "laser",
+            "wavelength": "660nm",
+            "power": 0.02,
+            "lineThickness": "150um",
+            "widthMeasure": "1/e2",
+            "workingDistance": "200mm",
+            "fanAngle": "20deg",
+        },
+        pose={"target": [0, 0.0015, 0], "distance": "200mm", "elevation": "75deg"},
+    )
+    return scene.gltf()
+
+
 def files():
     return {
+        "laser-head.gltf": laser_head(),
         "bolts.gltf": bolts(),
         "scratch.gltf": scratch(),
         "structured-light.gltf": phase_shift(),

@@ -391,11 +391,57 @@ static void say_schlieren(const images *seen, char *text) {
              contrast_to_noise(seen, 0.125e-3, about_schlieren));
 }
 
+/* The line of scenes/laser-head.gltf on plastic (columns 10 to 150) and on steel (175 to 270). */
+enum { PLASTIC_BEGIN = 10, PLASTIC_END = 150, STEEL_BEGIN = 175, STEEL_END = 270 };
+
+static uint32_t brightest_row(const mcv_image *image, uint32_t column) {
+    uint32_t best = 0;
+    for (uint32_t row = 0; row < image->height; ++row)
+        if (value(image, column, row) > value(image, column, best)) best = row;
+    return best;
+}
+
+static double mean_of_peaks(const mcv_image *image, uint32_t begin, uint32_t end) {
+    double sum = 0;
+    for (uint32_t column = begin; column < end; ++column)
+        sum += value(image, column, brightest_row(image, column));
+    return sum / (end - begin);
+}
+
+static void say_glare_of_steel(const images *seen, char *text) {
+    snprintf(text, TEXT, "steel is %.2g times as bright as plastic",
+             mean_of_peaks(seen->of, STEEL_BEGIN, STEEL_END) /
+                 mean_of_peaks(seen->of, PLASTIC_BEGIN, PLASTIC_END));
+}
+
+/* The standard deviation of the centres of gravity, 10 rows to each side of the brightest one. */
+static void say_scatter(const images *seen, char *text) {
+    double sum = 0, squares = 0, n = PLASTIC_END - PLASTIC_BEGIN;
+    for (uint32_t column = PLASTIC_BEGIN; column < PLASTIC_END; ++column) {
+        const uint32_t peak = brightest_row(seen->of, column);
+        double light = 0, moment = 0;
+        for (uint32_t row = peak < 10 ? 0 : peak - 10; row < peak + 11 && row < seen->of->height;
+             ++row) {
+            light += value(seen->of, column, row);
+            moment += value(seen->of, column, row) * row;
+        }
+        sum += moment / light;
+        squares += moment / light * (moment / light);
+    }
+    snprintf(text, TEXT, "the line's centre scatters by %.2f px",
+             sqrt(squares / n - sum / n * (sum / n)));
+}
+
+#define DIRECT " --set nodes/laser/elevation=90deg --set nodes/camera/elevation=60deg"
+#define LASER_HEAD "render scenes/laser-head.gltf --spp 64 --light-paths off"
+#define SPECKLE " | --wavelength 660nm --expose-to 0.3 --noise-free"
+
 /* --- the gallery --- */
 
 typedef struct panel {
     const char *caption;
-    const char *arguments; /* of mcvisi, without -o */
+    const char *arguments; /* of mcvisi, without -o; behind " | " the options of `mcvisi camera
+                              --speckle` with which the picture is read */
     const char
         *each; /* the --set that tells its images apart, without the number; NULL: one image */
 } panel;
@@ -427,6 +473,31 @@ static const entry entries[] = {
       {"right: 0.25 mm per line, a pixel",
        "render scenes/conveyor.gltf --set sensors/camera/stages=64 --spp 128", NULL}},
      say_bars},
+    {"laser-geometry",
+     "Direct and look-away geometry of a laser head",
+     "A laser line on white plastic, left, and on a wedge of steel that slopes by 15° towards the "
+     "camera. With the laser upright the wedge mirrors its light into the camera. With laser and "
+     "camera on the same side, 15° and 45° aside, it does not: one exposure fits both.",
+     {{"wrong: direct", LASER_HEAD DIRECT, NULL}, {"right: look-away", LASER_HEAD, NULL}},
+     say_glare_of_steel},
+    {"laser-aperture",
+     "Speckle with a narrow and a wide aperture",
+     "The grains of a laser's speckle are as large as the lens's diffraction makes them: a wide "
+     "aperture has small ones, of which a pixel's light averages more. The centre of the line on "
+     "plastic is known better.",
+     {{"wrong: f/22", LASER_HEAD " --set sensors/camera/fNumber=22" SPECKLE, NULL},
+      {"right: f/8", LASER_HEAD SPECKLE, NULL}},
+     say_scatter},
+    {"laser-material",
+     "Speckle on steel and on plastic",
+     "Bare steel keeps the light's polarisation, and its speckle has the contrast 1. Plastic "
+     "scatters within and makes two independent patterns: 0.71. Here the plate is of either.",
+     {{"steel",
+       LASER_HEAD " --set meshes/plate/primitives/0/material=1 | --wavelength 660nm --expose-to 2 "
+                  "--noise-free",
+       NULL},
+      {"plastic", LASER_HEAD SPECKLE " --speckle-polarization 0", NULL}},
+     say_scatter},
     {"light-field",
      "A light field display before a light field camera",
      "The display shows a disk at another position in each direction. Focused on the "
@@ -767,8 +838,18 @@ static mcv_result draw(const entry *e, const char *renders, const char *pictures
     else
         cairo_destroy(page);
     printf("\n### %s\n\n%s\n\n![%s](../%s)\n\n", e->title, e->text, e->title, path);
-    for (int k = 0; k < panels; ++k)
-        printf("- %s: %s (`mcvisi %s`)\n", e->panels[k].caption, texts[k], e->panels[k].arguments);
+    for (int k = 0; k < panels; ++k) {
+        const panel *p = e->panels + k;
+        const char *camera = strstr(p->arguments, " | ");
+        printf("- %s: %s (`mcvisi %.*s`)%s\n", p->caption, texts[k],
+               (int)(camera ? camera - p->arguments : (long)strlen(p->arguments)), p->arguments,
+               camera ? "." : "");
+        if (camera)
+            printf(
+                "  Its speckle: the same with `--lasers 4 --spp 8`, and `mcvisi camera --speckle "
+                "%s`.\n",
+                camera + strlen(" | "));
+    }
     return result;
 }
 
