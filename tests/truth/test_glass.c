@@ -247,6 +247,12 @@ static void furnace(void **state) {
     for (int inside = 0; inside < 2; ++inside) {
         mcv_scene *scene = flint_ball(inside, 0);
         add_environment(scene, 1);
+        /* A box that glows like the sky is not to be seen, either; with it this is the kernel
+         * program of the strip below. */
+        add_emitter(scene, MCV_EMITTER_AREA,
+                    add_box(scene, (const double[]){0.01, 0.02, 0.005}, add_absorber(scene),
+                            looking_up_z(0.01, 0, -0.05)),
+                    1, 0);
         mcv_scene_settle_spectra(scene);
         const double *n = scene->materials[0].as.dielectric.ior;
         for (int renderer = 0; renderer < RENDERERS; ++renderer) {
@@ -298,6 +304,7 @@ static void channels(void **state) {
                         add_rectangle(scene, 0.004, 0.1, add_absorber(scene),
                                       looking_up_z(0.001, 0, -0.035)),
                         1, 0);
+            add_environment(scene, 0); /* dark: the furnace has one */
             mcv_scene_settle_spectra(scene);
             for (int renderer = 0; renderer < RENDERERS; ++renderer) {
                 mcv_render_options options = mcv_render_defaults();
