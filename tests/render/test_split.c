@@ -23,6 +23,19 @@ static mcv_film render_with(const mcv_scene *scene, mcv_render_options options) 
     return film;
 }
 
+static uint32_t add_even_splitter(mcv_scene *scene) {
+    mcv_material splitter = {.as.beam_splitter = {.reflectance = {0.25, 0.25, 0.25},
+                                                  .transmittance = {0.25, 0.25, 0.25}}};
+    return add_material(scene, MCV_MATERIAL_BEAM_SPLITTER, &splitter);
+}
+
+/* No path meets these: scenes of glass and of splitters make one kernel program. */
+static void add_far_bodies(mcv_scene *scene) {
+    add_box(scene, (const double[]){0.1, 0.1, 0.1}, add_glass(scene, 1.5, 0, 0),
+            looking_up_z(0, 50, 0));
+    add_rectangle(scene, 0.1, 0.1, add_even_splitter(scene), looking_up_z(1, 50, 0));
+}
+
 /* A camera whose rays are all parallel to an optical axis in the plane y = 0, turned by `angle`
  * from -z, towards the origin. */
 static void add_parallel_camera(mcv_scene *scene, double angle) {
@@ -81,6 +94,7 @@ static void test_one_interface_has_no_noise(void **state) {
                 0);
     add_mirrored_panel(scene, angle, MCV_EMITTER_AREA, 3, 0);
     add_parallel_camera(scene, angle);
+    add_far_bodies(scene);
     mcv_render_options options = mcv_render_defaults();
     options.last = 4;
     mcv_film film = render_with(scene, options);
@@ -99,10 +113,7 @@ static void test_even_beam_splitter(void **state) {
     for (int narrow = 0; narrow < 1 + SLOW; ++narrow) {
         mcv_scene *scene = new_scene();
         const uint32_t type = narrow ? MCV_EMITTER_PARALLEL : MCV_EMITTER_AREA;
-        mcv_material splitter = {.as.beam_splitter = {.reflectance = {0.25, 0.25, 0.25},
-                                                      .transmittance = {0.25, 0.25, 0.25}}};
-        add_rectangle(scene, 1, 1, add_material(scene, MCV_MATERIAL_BEAM_SPLITTER, &splitter),
-                      looking_up_z(0, 0, 0));
+        add_rectangle(scene, 1, 1, add_even_splitter(scene), looking_up_z(0, 0, 0));
         add_mirrored_panel(scene, angle, type, 3, 0.05);
         add_emitter(scene, type,
                     add_rectangle(scene, 1, 1, add_absorber(scene),
@@ -111,6 +122,7 @@ static void test_even_beam_splitter(void **state) {
                                           (const double[3]){0, 1, 0})),
                     1, 0.05);
         add_parallel_camera(scene, angle);
+        add_far_bodies(scene);
         mcv_render_options options = mcv_render_defaults();
         options.last =
             16; /* a power of two: Sobol' points halve evenly between "a branch" and "none" */
