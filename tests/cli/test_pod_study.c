@@ -70,6 +70,48 @@ static const char dented[] =
     "[0,0,0.1],\"extensions\":{\"MCVISI_sensors\":{\"sensor\":0}}},{\"name\":\"sky\","
     "\"extensions\":{\"MCVISI_emitters\":{\"emitter\":0}}}]}";
 
+/* A ball with a dent, which becomes a mesh of 400 000 triangles. */
+static const char ball[] =
+    "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0,1,2]}],"
+    "\"extensionsUsed\":[\"MCVISI_defects\",\"MCVISI_emitters\",\"MCVISI_materials\","
+    "\"MCVISI_sensors\",\"MCVISI_surfaces\"],\"materials\":[{\"extensions\":{"
+    "\"MCVISI_materials\":{\"type\":\"diffuse\",\"reflectance\":0.5}}}],"
+    "\"extensions\":{\"MCVISI_sensors\":{\"sensors\":[{\"name\":\"cam\",\"type\":"
+    "\"telecentric\",\"magnification\":1,\"workingDistance\":0.1,\"fNumber\":8,"
+    "\"resolution\":[16,12],\"pixelSize\":2e-4}]},\"MCVISI_emitters\":{\"emitters\":[{"
+    "\"name\":\"sky\",\"type\":\"environment\",\"radiance\":1}]},"
+    "\"MCVISI_surfaces\":{\"surfaces\":[{\"type\":\"sphere\",\"radius\":\"3mm\","
+    "\"material\":0}]},\"MCVISI_defects\":{\"defects\":[{\"name\":\"nick\",\"type\":\"dent\","
+    "\"node\":\"ball\",\"at\":[0,0,\"3mm\"],\"size\":1e-3}]}},"
+    "\"nodes\":[{\"name\":\"ball\",\"extensions\":{\"MCVISI_surfaces\":{\"surface\":0}}},"
+    "{\"name\":\"cam\",\"translation\":[0,0,0.1],\"extensions\":{\"MCVISI_sensors\":{"
+    "\"sensor\":0}}},{\"name\":\"sky\",\"extensions\":{\"MCVISI_emitters\":{\"emitter\":0}}}]}";
+
+/* A dent of another size has other triangles: the structure stays but for them, and the figures are
+ * those of sets that are rendered alone. */
+static void test_a_structure_serves_all_sizes(void **state) {
+    static const char *const sizes[] = {"0.0005", "0.0008", "0.001"};
+    (void)state;
+    write_file("b.gltf", ball);
+    json_t *report = program_json("sweep b.gltf --vary defects/nick/size=0.0005,0.0008,0.001 "
+                                  "--metric mean --spp 4 --json -o all.csv");
+    assert_int_equal(json_integer_value(json_object_get(report, "structures_built")), 1);
+    json_decref(report);
+    for (size_t i = 0; i < 3; ++i) {
+        char line[256];
+        snprintf(line, sizeof line,
+                 "sweep b.gltf --vary defects/nick/size=%s --metric mean --spp 4 --json -o one.csv "
+                 "--force",
+                 sizes[i]);
+        json_decref(program_json(line));
+        snprintf(line, sizeof line,
+                 "test \"$(cut -d, -f2-5 one.csv | tail -1)\" = "
+                 "\"$(cut -d, -f2-5 all.csv | sed -n %zup)\"",
+                 i + 2);
+        if (system(line) != 0) fail_msg("size %s: other figures than alone", sizes[i]);
+    }
+}
+
 static size_t count_pictures(const char *page) {
     size_t pictures = 0;
     for (const char *at = page; (at = strstr(at, "data:image/png;base64,")); ++at) ++pictures;
@@ -215,6 +257,7 @@ int main(void) {
         FRESH(test_sizes_below_the_model, scene),
         FRESH(test_pictures_where_a_program_judges, scene),
         FRESH(test_study, scene),
+        FRESH(test_a_structure_serves_all_sizes, scene),
         FRESH(test_common_noise, scene),
         FRESH(test_program, scene),
         FRESH(test_wrong_files, scene),
