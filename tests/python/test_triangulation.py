@@ -85,7 +85,7 @@ def test_refused(images, tmp_path):
         (5, {}, "images: must be a file name, not int"),
         (grey, {"window": 4}, "must be odd"),
         (grey, {"extractor": "best"}, "extractor"),
-        (grey, {"output": tmp_path / "z.txt"}, "must end in .csv, .exr, .npz or .ply"),
+        (grey, {"output": tmp_path / "z.txt"}, "must end in .csv, .exr, .npz, .npy or .ply"),
         (images, {}, "give feed D, or frame NODE"),
     ):
         with pytest.raises(mv.UsageError, match=sentence):
@@ -117,3 +117,13 @@ def test_scan(head):
     assert abs(off.mean()) < 5 * np.sqrt(np.mean(u**2) / len(u))
     assert found.report["budget"]["speckle"] > 0
     assert found.report["head"]["points_per_profile"] == COLUMNS
+    # What the sensor says needs no options, and is the same.
+    same = {"frame": "part", "expose_to": 0.2, "device": "reference", "progress": False}
+    options = head.scan(profiles=2, feed="0.5mm", **same)
+    head["sensors/camera/type"] = "laserTriangulation"
+    for key, value in (("frame", "part"), ("profiles", 2), ("feed", "0.5mm"), ("exposeTo", 0.2)):
+        head["sensors/camera/" + key] = value
+    keys = head.scan(device="reference", progress=False)
+    assert np.array_equal(keys.array, options.array, equal_nan=True)
+    single = head.scan(profiles=1, device="reference", progress=False)
+    assert single.shape == (1, COLUMNS)
