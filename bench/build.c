@@ -18,6 +18,7 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "embree_builder.h"
 #include "steps.h"
 #include "workload.h"
 
@@ -40,219 +41,6 @@ static const char *const quality_names[QUALITIES] = {"medium", "high"};
 typedef struct means {
     bench_mean builder, commit[COMMITS], cost[QUALITIES], steps[QUALITIES], rays[QUALITIES], bytes;
 } means;
-
-/* --- Embree's builder
- * ------------------------------------------------------------------------------------------- */
-
-/* A node with `count` triangles, or an inner one. */
-typedef struct embree_node {
-    uint32_t triangles[MCV_LEAF_TRIANGLES], triangle_count;
-    uint32_t child_count;
-    struct embree_node *children[MCV_BVH_WIDTH];
-    struct RTCBounds bounds[MCV_BVH_WIDTH];
-} embree_node;
-
-typedef struct embree_builder {
-    const mesh *mesh;
-    enum RTCBuildQuality quality;
-    struct RTCBuildPrimitive *all, *primitives; /* as they are, and what a build uses up */
-    size_t capacity;
-    RTCBVH bvh;
-    embree_node *root;
-    mcv_bvh made; /* the same in our layout */
-} embree_builder;
-
-static void *create_node(RTCThreadLocalAllocator allocator, unsigned count, void *user) {
-    embree_node *node = rtcThreadLocalAlloc(allocator, sizeof *node, 16);
-    (void)user;
-    node->triangle_count = 0;
-    node->child_count = count;
-    return node;
-}
-
-static void set_children(void *user, void **children, unsigned count, void *builder) {
-    embree_node *node = user;
-    (void)builder;
-    for (unsigned i = 0; i < count; ++i) node->children[i] = children[i];
-}
-
-static void set_bounds(void *user, const struct RTCBounds **bounds, unsigned count, void *builder) {
-    embree_node *node = user;
-    (void)builder;
-    for (unsigned i = 0; i < count; ++i) node->bounds[i] = *bounds[i];
-}
-
-static void *create_leaf(RTCThreadLocalAllocator allocator,
-                         const struct RTCBuildPrimitive *primitives, size_t count, void *user) {
-    embree_node *leaf = create_node(allocator, 0, user);
-    /* Two parts of one triangle may meet again. */
-    for (size_t i = 0; i < count; ++i) {
-        bool there = false;
-        for (uint32_t k = 0; k < leaf->triangle_count; ++k)
-            there = there || leaf->triangles[k] == primitives[i].primID;
-        if (!there) leaf->triangles[leaf->triangle_count++] = primitives[i].primID;
-    }
-    return leaf;
-}
-
-static const float *corner_of(const mesh *m, uint32_t triangle, int corner) {
-    return m->positions + 3 * (size_t)m->indices[3 * (size_t)triangle + (size_t)corner];
-}
-
-static void grow(float lower[3], float upper[3], const float p[3]) {
-    for (int k = 0; k < 3; ++k) {
-        lower[k] = fminf(lower[k], p[k]);
-        upper[k] = fmaxf(upper[k], p[k]);
-    }
-}
-
-/* The boxes of the parts of a triangle on both sides of a plane, within the box of what is split.
- */
-static void split_primitive(const struct RTCBuildPrimitive *primitive, unsigned axis, float plane,
-                            struct RTCBounds *left, struct RTCBounds *right, void *user) {
-    const embree_builder *b = user;
-    const float lower[3] = {primitive->lower_x, primitive->lower_y, primitive->lower_z};
-    const float upper[3] = {primitive->upper_x, primitive->upper_y, primitive->upper_z};
-    float low[2][3], high[2][3];
-    for (int k = 0; k < 6; ++k) {
-        low[k / 3][k % 3] = INFINITY;
-        high[k / 3][k % 3] = -INFINITY;
-    }
-    for (int corner = 0; corner < 3; ++corner) {
-        const float *p = corner_of(b->mesh, primitive->primID, corner),
-                    *q = corner_of(b->mesh, primitive->primID, (corner + 1) % 3);
-        if (p[axis] <= plane) grow(low[0], high[0], p);
-        if (p[axis] >= plane) grow(low[1], high[1], p);
-        if ((p[axis] < plane) == (q[axis] < plane)) continue;
-        const double t = ((double)plane - p[axis]) / ((double)q[axis] - p[axis]);
-        float crossing[3];
-        for (int k = 0; k < 3; ++k) crossing[k] = (float)(p[k] + t * ((double)q[k] - p[k]));
-        crossing[axis] = plane;
-        for (int side = 0; side < 2; ++side) grow(low[side], high[side], crossing);
-    }
-    for (int k = 0; k < 6; ++k) {
-        low[k / 3][k % 3] = fmaxf(low[k / 3][k % 3], lower[k % 3]);
-        high[k / 3][k % 3] = fminf(high[k / 3][k % 3], upper[k % 3]);
-    }
-    *left = (struct RTCBounds){low[0][0],  low[0][1],  low[0][2],  0,
-                               high[0][0], high[0][1], high[0][2], 0};
-    *right = (struct RTCBounds){low[1][0],  low[1][1],  low[1][2],  0,
-                                high[1][0], high[1][1], high[1][2], 0};
-}
-
-static mcv_result builder_open(RTCDevice device, const mesh *m, enum RTCBuildQuality quality,
-                               embree_builder *b, mcv_error *error) {
-    const uint32_t n = m->triangle_count;
-    b->mesh = m;
-    b->quality = quality;
-    b->capacity = n + n / 10 * 3;
-    b->all = malloc(n * sizeof *b->all);
-    b->primitives = aligned_alloc(64, (b->capacity * sizeof *b->primitives + 63) / 64 * 64);
-    b->bvh = rtcNewBVH(device);
-    if (!b->all || !b->primitives)
-        return mcv_fail(error, MCV_FAILED, "no memory for Embree's builder");
-    for (uint32_t i = 0; i < n; ++i) {
-        float lower[3] = {INFINITY, INFINITY, INFINITY},
-              upper[3] = {-INFINITY, -INFINITY, -INFINITY};
-        for (int corner = 0; corner < 3; ++corner) grow(lower, upper, corner_of(m, i, corner));
-        b->all[i] = (struct RTCBuildPrimitive){lower[0], lower[1], lower[2], 0,
-                                               upper[0], upper[1], upper[2], i};
-    }
-    return MCV_OK;
-}
-
-static void builder_close(embree_builder *b) {
-    free(b->all);
-    free(b->primitives);
-    if (b->bvh) rtcReleaseBVH(b->bvh);
-    mcv_bvh_free(&b->made);
-}
-
-static mcv_result builder_run(void *user, mcv_error *error) {
-    embree_builder *b = user;
-    memcpy(b->primitives, b->all, b->mesh->triangle_count * sizeof *b->all);
-    struct RTCBuildArguments arguments = rtcDefaultBuildArguments();
-    arguments.buildQuality = b->quality;
-    arguments.maxBranchingFactor = MCV_BVH_WIDTH;
-    arguments.maxDepth = MCV_BVH_LEVELS - 1;
-    arguments.sahBlockSize = arguments.maxLeafSize = MCV_LEAF_TRIANGLES;
-    arguments.bvh = b->bvh;
-    arguments.primitives = b->primitives;
-    arguments.primitiveCount = b->mesh->triangle_count;
-    arguments.primitiveArrayCapacity = b->capacity;
-    arguments.createNode = create_node;
-    arguments.setNodeChildren = set_children;
-    arguments.setNodeBounds = set_bounds;
-    arguments.createLeaf = create_leaf;
-    arguments.splitPrimitive = split_primitive;
-    arguments.userPtr = b;
-    b->root = rtcBuildBVH(&arguments);
-    return b->root ? MCV_OK : mcv_fail(error, MCV_FAILED, "Embree built nothing");
-}
-
-/* --- the same in our layout
- * ------------------------------------------------------------------------------------- */
-
-static void count_nodes(const embree_node *node, uint32_t level, mcv_bvh *made, uint32_t *levels) {
-    if (level > *levels) *levels = level;
-    ++made->node_count;
-    for (uint32_t i = 0; i < node->child_count; ++i) {
-        if (node->children[i]->child_count == 0)
-            ++made->leaf_count;
-        else
-            count_nodes(node->children[i], level + 1, made, levels);
-    }
-}
-
-static void place_leaf(const mesh *m, const embree_node *from, mcv_leaf *leaf) {
-    *leaf = (mcv_leaf){.triangle = {MCV_NONE, MCV_NONE, MCV_NONE, MCV_NONE}};
-    for (uint32_t lane = 0; lane < from->triangle_count; ++lane) {
-        leaf->triangle[lane] = from->triangles[lane];
-        for (int i = 0; i < 9; ++i)
-            leaf->vertex[i / 3][i % 3][lane] = corner_of(m, from->triangles[lane], i / 3)[i % 3];
-    }
-}
-
-/* Depth first, as ours. */
-static uint32_t place_node(const mesh *m, const embree_node *from, float extent, mcv_bvh *made) {
-    const uint32_t here = made->node_count++;
-    mcv_node *node = made->nodes + here;
-    node->extent = extent;
-    for (uint32_t i = 0; i < MCV_BVH_WIDTH; ++i) {
-        node->child[i] = MCV_NONE;
-        for (int axis = 0; axis < 3; ++axis) {
-            node->bounds[axis][0][i] =
-                i < from->child_count ? (&from->bounds[i].lower_x)[axis] : INFINITY;
-            node->bounds[axis][1][i] =
-                i < from->child_count ? (&from->bounds[i].upper_x)[axis] : -INFINITY;
-        }
-        if (i >= from->child_count || from->children[i]->child_count > 0) continue;
-        place_leaf(m, from->children[i], made->leaves + made->leaf_count);
-        node->child[i] = MCV_CHILD_LEAF | made->leaf_count++;
-    }
-    for (uint32_t i = 0; i < from->child_count; ++i) {
-        if (from->children[i]->child_count > 0)
-            node->child[i] = place_node(m, from->children[i], extent, made);
-    }
-    return here;
-}
-
-static mcv_result builder_convert(embree_builder *b, float extent, mcv_error *error) {
-    uint32_t levels = 0;
-    mcv_bvh *made = &b->made;
-    if (b->root->child_count == 0) return mcv_fail(error, MCV_FAILED, "Embree built a single leaf");
-    count_nodes(b->root, 1, made, &levels);
-    if (levels > MCV_BVH_LEVELS)
-        return mcv_fail(error, MCV_FAILED, "Embree's hierarchy has %u levels, ours at most %d",
-                        levels, MCV_BVH_LEVELS);
-    made->nodes = aligned_alloc(128, made->node_count * sizeof *made->nodes);
-    made->leaves = aligned_alloc(128, (made->leaf_count * sizeof *made->leaves + 127) / 128 * 128);
-    if (!made->nodes || !made->leaves)
-        return mcv_fail(error, MCV_FAILED, "no memory for Embree's hierarchy");
-    made->node_count = made->leaf_count = 0;
-    place_node(b->mesh, b->root, extent, made);
-    return MCV_OK;
-}
 
 /* Half the surface of a child's box. */
 static double area_of(const mcv_node *node, uint32_t i) {
@@ -340,7 +128,7 @@ typedef struct mesh_bench {
 
 static mcv_result bench_seconds_of(mesh_bench *m) {
     bench_side sides[2 + COMMITS] = {{our_run, &m->ours, {{{0}}}, 0},
-                                     {builder_run, m->builders + MEDIUM, {{{0}}}, 0}};
+                                     {embree_builder_run, m->builders + MEDIUM, {{{0}}}, 0}};
     const double triangles = m->w->mesh.triangle_count;
     for (int k = 0; k < COMMITS; ++k)
         sides[2 + k] = (bench_side){.run = commit_run, .user = m->scenes[k]};
@@ -403,7 +191,7 @@ static mcv_result bench_opened(mesh_bench *m, RTCDevice device) {
     const double triangles = t->triangle_count;
     double bytes = 0;
     for (int q = 0; q < QUALITIES; ++q)
-        MCV_TRY(builder_open(device, t, qualities[q], m->builders + q, m->error));
+        MCV_TRY(embree_builder_open(device, t, qualities[q], m->builders + q, m->error));
     for (int k = 0; k < COMMITS; ++k) {
         m->scenes[k] = embree_scene(device, t, commits[k].flags, commits[k].quality);
         const long long before = atomic_load(&embree_bytes);
@@ -412,11 +200,11 @@ static mcv_result bench_opened(mesh_bench *m, RTCDevice device) {
     }
     MCV_TRY(bench_seconds_of(m));
     const int built = t->triangle_count <= SPLIT_MOST ? 2 : 1;
-    if (built > HIGH) MCV_TRY(builder_run(m->builders + HIGH, m->error));
+    if (built > HIGH) MCV_TRY(embree_builder_run(m->builders + HIGH, m->error));
     const mcv_bvh *bvhs[1 + QUALITIES] = {&m->ours.made, &m->builders[MEDIUM].made,
                                           &m->builders[HIGH].made};
     for (int q = 0; q < built; ++q) {
-        MCV_TRY(builder_convert(m->builders + q, m->ours.made.nodes->extent, m->error));
+        MCV_TRY(embree_builder_convert(m->builders + q, m->ours.made.nodes->extent, m->error));
         bench_mean_add(&m->means->cost[q],
                        bench_number(m->b, sah_cost(&m->ours.made), sah_cost(bvhs[1 + q]),
                                     "SAH cost", "%s, rtcBuildBVH %s", m->w->name,
@@ -453,7 +241,7 @@ static mcv_result bench_mesh(bench *b, mcv_cl *core, RTCDevice device, int i, me
     const mcv_result result =
         memory ? bench_opened(&m, device) : mcv_fail(error, MCV_FAILED, "no memory for the rays");
     for (int k = 0; k <= QUALITIES; ++k) caster_close(m.casters + k);
-    for (int q = 0; q < QUALITIES; ++q) builder_close(m.builders + q);
+    for (int q = 0; q < QUALITIES; ++q) embree_builder_close(m.builders + q);
     for (int k = 0; k < COMMITS; ++k)
         if (m.scenes[k]) rtcReleaseScene(m.scenes[k]);
     mcv_bvh_free(&m.ours.made);
