@@ -20,9 +20,9 @@ enum {
     MOST_PIXELS = 2 << 20,    /* of a preview: a larger film has a smaller picture */
 };
 
-/* Nanoseconds for which kernels compile before the reference begins: compiled ones are loaded
- * then. */
-static const long PATIENCE = 600 * 1000 * 1000;
+/* Nanoseconds for which kernels compile before the reference begins: of those of a cache
+ * mcv_early_progress is told. */
+static const long PATIENCE = 200 * 1000 * 1000;
 
 static uint32_t least(uint32_t a, uint32_t b) { return a < b ? a : b; }
 

@@ -35,8 +35,8 @@ typedef struct mcv_early {
 void mcv_early_begin(mcv_early *early, const mcv_scene *scene, uint32_t sensor, const char *path,
                      const char *unit, const mcv_render_options *options);
 
-/* To be called as the render's progress is: NaN says that kernels begin to compile. True where the
- * reference makes a preview meanwhile. */
+/* To be called as the render's progress is: NaN says that kernels begin to compile; and with 0
+ * where these came from a cache. True where the reference makes a preview meanwhile. */
 bool mcv_early_progress(mcv_early *early, double fraction);
 
 /* Writes the device's picture (mcv_picture_told). */

@@ -49,6 +49,11 @@ static bool tell(void *user, double fraction, double seconds, double error) {
     return !r->stopped;
 }
 
+static void skip_draft(void *user) {
+    const mcv_rendering *r = user;
+    mcv_early_progress(r->early, 0);
+}
+
 static void show(void *user, const mcv_image *picture, uint32_t stride) {
     const mcv_rendering *r = user;
     mcv_early_show(r->early, picture, stride);
@@ -139,6 +144,7 @@ mcv_result mcv_rendering_run(mcv_rendering *r, mcv_session *session, const mcv_c
         options->sampler = MCV_SAMPLER_RANDOM; /* it has no other, and the header says so */
     options->progress = r->call || r->early ? tell : NULL;
     options->picture = r->early ? show : NULL;
+    options->cached = r->early ? skip_draft : NULL;
     options->saving = r->saves && r->saves->path ? &SAVING : NULL;
     options->resume = r->saves && r->saves->resumes ? &r->saves->checkpoint.unfinished : NULL;
     options->warned = warn;

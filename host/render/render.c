@@ -6,6 +6,7 @@
 #include <pthread.h>
 #include <stdlib.h>
 #include <string.h>
+#include <time.h>
 
 #include "core/basics.h"
 #include "film/film.h"
@@ -51,6 +52,28 @@ static mcv_result open_schedule(mcv_renderer *r, uint32_t sensor_type) {
     return result;
 }
 
+/* Seconds of the processor in which a program comes from a cache: 0.06 to 0.09 in six scenes, where
+ * compiling takes 0.7 or more. No load of the machine changes them. */
+static const double FROM_CACHE = 0.25;
+
+static double processor_seconds(void) {
+    struct timespec t;
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* Opens a schedule and tells when it compiles, and when it need not any more: the kernels of a
+ * program that is cached are, too. */
+static mcv_result prepare_program(mcv_renderer *r, uint32_t sensor_type) {
+    const mcv_render_options *o = r->options;
+    const double compile = mcv_seconds(), begun = processor_seconds();
+    if (o->progress) o->progress(o->user, (double)NAN, compile - r->begun, INFINITY);
+    MCV_TRY(open_schedule(r, sensor_type));
+    r->stats->seconds_compile = mcv_seconds() - compile;
+    if (o->cached && processor_seconds() - begun < FROM_CACHE) o->cached(o->user);
+    return MCV_OK;
+}
+
 /* kept: the previous scene, or NULL. */
 static mcv_result open_scene(mcv_renderer *r, const mcv_scene *scene, uint32_t sensor,
                              mcv_device_scene *kept) {
@@ -72,11 +95,7 @@ static mcv_result open_scene(mcv_renderer *r, const mcv_scene *scene, uint32_t s
                         scene->path);
     mcv_feature_names(packed->features, r->stats->features, sizeof r->stats->features);
 
-    const double compile = mcv_seconds();
-    if (r->options->progress)
-        r->options->progress(r->options->user, (double)NAN, compile - r->begun, INFINITY);
-    MCV_TRY(open_schedule(r, scene->sensors[sensor].type));
-    r->stats->seconds_compile = mcv_seconds() - compile;
+    MCV_TRY(prepare_program(r, scene->sensors[sensor].type));
     MCV_TRY(mcv_device_scene_finish(&r->cl, kept, &r->scene, r->error));
     r->stats->seconds_build = mcv_seconds() - start - r->stats->seconds_compile;
 

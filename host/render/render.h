@@ -31,6 +31,9 @@ typedef bool mcv_pass_told(void *user, double fraction, double seconds, double e
 /* Takes a coarse picture of radiances for the eye: one pixel for stride x stride of the film. */
 typedef void mcv_picture_told(void *user, const mcv_image *picture, uint32_t stride);
 
+/* Called where the kernels came from a cache, before they run. */
+typedef void mcv_kernels_cached(void *user);
+
 typedef bool mcv_enough(void *user, const mcv_film *film);
 
 /* Takes a sentence for the user, about what the render goes on without. */
@@ -75,8 +78,9 @@ typedef struct mcv_render_options {
     const char *device;   /* NULL: the first; see mcv_cl_open; or several, "A,B" */
     mcv_warned *warned;   /* may be NULL */
     mcv_pass_told *progress;
-    mcv_picture_told *picture; /* called once, before the first round of a render that will not be
-                                  done in a moment; may be NULL */
+    mcv_kernels_cached *cached; /* may be NULL */
+    mcv_picture_told *picture;  /* called once, before the first round of a render that will not be
+                                   done in a moment; may be NULL */
     mcv_enough *enough; /* called after each round from the fourth sample of each replicate on: true
                            ends the render; may be NULL */
     const struct mcv_render_saving *saving; /* saves the unfinished render (render/unfinished.h); or

@@ -168,10 +168,10 @@ uint32_t mcv_best_thinning(double camera_variance, double light_variance, double
                            double light_time, uint32_t begun);
 
 /*
- * The squares that camera paths without light paths lack in a pilot's sum of them, because they have
- * missed rare light of which light paths know. missed: that light; uncertain: its standard
- * deviation; brightest: the most that a path can meet. Light in portions of at most b has squares of
- * at most b times its sum.
+ * The squares that camera paths without light paths lack in a pilot's sum of them, because they
+ * have missed rare light of which light paths know. missed: that light; uncertain: its standard
+ * deviation; brightest: the most that a path can meet. Light in portions of at most b has squares
+ * of at most b times its sum.
  */
 double mcv_missed_squares(double missed, double uncertain, double brightest);
 
