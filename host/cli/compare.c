@@ -25,6 +25,7 @@ static mcv_result scene_options(const mcv_command *command, char **options, mcv_
     free(given);
     json_object_set_new(object, "replicates", json_integer((json_int_t)command->repeats));
     json_object_set_new(object, "parts", json_string("replicates"));
+    json_object_set_new(object, "adaptive", json_string("off"));
     if (!json_object_get(object, "light-paths"))
         json_object_set_new(object, "light-paths", json_string("on"));
     *options = json_dumps(object, JSON_COMPACT | JSON_REAL_PRECISION(17));

@@ -235,10 +235,12 @@ enum {
       "options of the scene B that differ from those of A, in quotes, as in " \
       "--against=\"--device reference --depth 64\"; if its seed would equal A's, the next one " \
       "is used") \
-    X(choice, adaptive, "adaptive", 0, "auto|on|off", MCV_IN_RENDER, "off", 0, 0, \
+    X(choice, adaptive, "adaptive", 0, "auto|on|off", MCV_IN_RENDER, "auto", 0, 0, \
       "give noisier pixels more samples, and the others fewer: on: if a pilot says that it " \
       "takes fewer samples; auto: if it wins even where noisy pixels take longer; --spp then " \
-      "limits the mean; the part `samples` of the OpenEXR file has the number of each pixel") \
+      "limits the mean; the part `samples` of the OpenEXR file has the number of each pixel; " \
+      "auto " \
+      "is off with --samples and for the reference renderer") \
     X(choice, sampler, "sampler", 0, "sobol|random", MCV_IN_PROGRAMS, "sobol", 0, 0, \
       "Owen-scrambled Sobol' points, or independent random points") \
     X(choice, split, "split", 0, "on|off", MCV_IN_PROGRAMS, "on", 0, 0, \

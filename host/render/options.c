@@ -38,17 +38,17 @@ mcv_result mcv_render_check_options(const mcv_scene *scene, uint32_t sensor,
         return mcv_fail(error, MCV_USAGE, "the sample range %llu:%llu is empty or ends beyond 2^31",
                         (unsigned long long)options->first, (unsigned long long)options->last);
     }
-    if (options->adaptive && options->first > 0)
+    if (options->adaptive == MCV_ADAPTIVE_ON && options->first > 0)
         return mcv_fail(
             error, MCV_USAGE,
             "adaptive sampling needs a whole render: its samples cannot be rendered in parts");
-    if (options->adaptive && options->last > MCV_MOST_ADAPTIVE)
+    if (options->adaptive == MCV_ADAPTIVE_ON && options->last > MCV_MOST_ADAPTIVE)
         return mcv_fail(
             error, MCV_USAGE,
             "adaptive sampling gives pixels at most 2^28 samples per replicate on average, not "
             "%llu",
             (unsigned long long)options->last);
-    if (options->adaptive && options->records)
+    if (options->adaptive == MCV_ADAPTIVE_ON && options->records)
         return mcv_fail(error, MCV_USAGE,
                         "adaptive sampling cannot be recorded: all pixels need the same samples");
     const uint64_t count = options->last - options->first;

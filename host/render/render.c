@@ -228,10 +228,16 @@ static mcv_result render_rounds(mcv_renderer *r) {
     }
 }
 
+/* Whether samples may be given to noisy pixels: options that ask for it in any case have been
+ * checked. */
+static bool may_adapt(const mcv_render_options *o) {
+    return o->adaptive && o->first == 0 && o->last <= MCV_MOST_ADAPTIVE && !o->records;
+}
+
 /* What precedes the rounds. */
 static mcv_result begin_samples(mcv_renderer *r) {
     r->part = (mcv_round){0};
-    r->decided = !r->options->adaptive;
+    r->decided = !may_adapt(r->options);
     r->sampling_begun = mcv_seconds();
     if (r->options->resume) return mcv_resume(r);
     r->part.first = r->options->first;
