@@ -119,10 +119,12 @@ mcv_result mcv_light_plane_write(mcv_profiles *p, mcv_error *error) {
     const char *path = p->command->calibrate;
     if (!path) return MCV_OK;
     if (!mcv_light_plane_fit((const double(*)[3])p->lit, p->lit_count, &p->plane))
-        return mcv_fail(error, MCV_BAD_INPUT,
-                        "--calibrate: %zu places of the target are lit, which lie on one line, or "
-                        "are too few: give images with the target at two heights or more",
-                        p->lit_count);
+        return mcv_fail(
+            error, MCV_BAD_INPUT,
+            "--calibrate: %zu places of the target are lit, which are too few, or leave one "
+            "line by less than a hundredth of its length: give images with the target "
+            "at two heights or more, further apart",
+            p->lit_count);
     json_t *document = json_pack("{s:s, s:{s:o?, s:o?}, s:I, s:I, s:f}", "coordinates",
                                  "the camera's: x right, y down, z forward [m]", "lightPlane",
                                  "point", numbers(p->plane.point), "normal",
