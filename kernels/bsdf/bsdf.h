@@ -138,4 +138,12 @@ MCV_FUNCTION mcv_scattering mcv_scatter(mcv_world world, mcv_interaction interac
     }
 }
 
+/* mcv_scatter without chance: what can refract or pass does. */
+MCV_FUNCTION mcv_scattering mcv_scatter_through(mcv_world world, mcv_interaction interaction,
+                                                uint media, uint *unmatched) {
+    const mcv_pair passes = {1.0f, 0.0f};
+    mcv_scattering other;
+    return mcv_scatter(world, interaction, media, passes, 1.0f, 0, unmatched, &other);
+}
+
 #endif

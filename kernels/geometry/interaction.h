@@ -8,6 +8,13 @@
 #include "path/time.h"
 #include "bsdf/bsdf.h"
 
+/* What the path has met. */
+MCV_LOOP_FUNCTION mcv_hit mcv_load_hit(mcv_slot slot) {
+    const mcv_hit hit = {MCV_LOAD(slot, hit, 0), MCV_LOAD(slot, hit, 1), MCV_LOAD(slot, hit, 2),
+                         MCV_WORD(slot, hit, 3)};
+    return hit;
+}
+
 /* mcv_disperse_at for a camera path, wherever it is; without dispersion the world as it is. */
 MCV_FUNCTION mcv_world mcv_disperse(mcv_world world, mcv_slot slot) {
 #if MCV_WITH_DISPERSION
@@ -106,9 +113,8 @@ MCV_LOOP_FUNCTION mcv_interaction mcv_make_interaction(mcv_world world, mcv_slot
 #endif
     return interaction;
 #else
-    const mcv_hit hit = {MCV_LOAD(slot, hit, 0), u, v, primitive};
     return mcv_hit_interaction(mcv_at_time(world, slot), MCV_LOAD_3(slot, origin),
-                               MCV_LOAD_3(slot, direction), hit);
+                               MCV_LOAD_3(slot, direction), mcv_load_hit(slot));
 #endif
 }
 
@@ -136,10 +142,9 @@ MCV_LOOP_FUNCTION int mcv_may_touch(mcv_world world, mcv_slot slot) {
 
 /* Looks for surfaces in the same place as the one of a body that a path has met. */
 MCV_FUNCTION void mcv_find_contact(mcv_world world, mcv_slot slot) {
-    const mcv_hit hit = {MCV_LOAD(slot, hit, 0), MCV_LOAD(slot, hit, 1), MCV_LOAD(slot, hit, 2),
-                         MCV_WORD(slot, hit, 3)};
     mcv_interaction interaction = mcv_make_interaction(world, slot);
-    mcv_find_contacts(mcv_at_time(world, slot), MCV_LOAD_3(slot, origin), hit, &interaction);
+    mcv_find_contacts(mcv_at_time(world, slot), MCV_LOAD_3(slot, origin), mcv_load_hit(slot),
+                      &interaction);
     MCV_STORE_3(slot, error, interaction.surface.error);
     MCV_WORD(slot, contact, 0) = interaction.exited;
     MCV_WORD(slot, contact, 1) = interaction.entered;

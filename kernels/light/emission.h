@@ -7,34 +7,35 @@
 #include "geometry/surface.h"
 #include "light/discrete.h"
 
-#if MCV_WITH_LIGHT_FIELD && MCV_WITH_TEXTURE
-/* The pixel of the image for a place on a light field emitter and a direction; 0: none. */
-MCV_FUNCTION int mcv_find_light_field_pixel(mcv_world world, mcv_surface surface,
-                                            __global const mcv_device_emitter *e,
-                                            mcv_vec3 direction, mcv_pixel *pixel) {
-    return mcv_light_field_pixel(&e->light_field, mcv_texcoord(world, surface, 0),
-                                 mcv_texcoord(world, surface, 1), direction, &pixel->column,
-                                 &pixel->row);
-}
-#endif
+#if MCV_WITH_TEXTURE
+/* Has the emitter an image of directions? */
+#define MCV_SENDS_BY_PIXEL(e) \
+    ((MCV_WITH_LIGHT_FIELD && (e)->type == MCV_EMITTER_LIGHT_FIELD_EMITTER) || \
+     (MCV_WITH_PROJECTOR && (e)->type == MCV_EMITTER_PROJECTOR))
 
-#if MCV_WITH_PROJECTOR && MCV_WITH_TEXTURE
-/* The pixel of the image for a place on a projector's lens and a direction; 0: none. */
-MCV_FUNCTION int mcv_find_projector_pixel(mcv_world world, mcv_surface surface,
-                                          __global const mcv_device_emitter *e, mcv_vec3 direction,
-                                          mcv_pixel *pixel) {
+/* The pixel of an image of directions that sends light from a place in a direction (unit, away from
+ * the surface); 0 if none does. */
+MCV_LOOP_FUNCTION int mcv_find_pixel(mcv_world world, mcv_surface surface,
+                                     __global const mcv_device_emitter *e, mcv_vec3 direction,
+                                     mcv_pixel *pixel) {
+    const float s = mcv_texcoord(world, surface, 0), t = mcv_texcoord(world, surface, 1);
+    (void)e, (void)s, (void)t, (void)direction, (void)pixel;
+#if MCV_WITH_LIGHT_FIELD
+    if (e->type == MCV_EMITTER_LIGHT_FIELD_EMITTER)
+        return mcv_light_field_pixel(&e->light_field, s, t, direction, &pixel->column, &pixel->row);
+#endif
+#if MCV_WITH_PROJECTOR
     __global const mcv_device_texture *image = world.textures + e->texture;
     float across, down;
-    const float s = mcv_texcoord(world, surface, 0);
-    const float t = mcv_texcoord(world, surface, 1);
     if (!mcv_projector_place(&e->projector, s, t, direction, &across, &down)) return 0;
     pixel->column = mcv_cell(across, image->width);
     pixel->row = mcv_cell(down, image->height);
     return 1;
-}
+#else
+    return 0;
 #endif
+}
 
-#if MCV_WITH_TEXTURE
 /* What an emitter sends through a pixel of its image. */
 MCV_LOOP_FUNCTION mcv_color mcv_pixel_radiance(mcv_world world,
                                                __global const mcv_device_emitter *e,
@@ -91,21 +92,12 @@ MCV_LOOP_FUNCTION mcv_color mcv_emitted(mcv_world world, mcv_surface surface, ui
                                         mcv_vec3 direction) {
     __global const mcv_device_emitter *e = world.emitters + emitter;
     if (!(mcv_dot(direction, surface.face) > 0.0f)) return mcv_grey(0.0f);
-#if MCV_WITH_LIGHT_FIELD && MCV_WITH_TEXTURE
-    if (e->type == MCV_EMITTER_LIGHT_FIELD_EMITTER) {
-        mcv_pixel pixel;
-        return mcv_find_light_field_pixel(world, surface, e, direction, &pixel)
+#if MCV_WITH_TEXTURE
+    mcv_pixel pixel;
+    if (MCV_SENDS_BY_PIXEL(e))
+        return mcv_find_pixel(world, surface, e, direction, &pixel)
                    ? mcv_pixel_radiance(world, e, pixel)
                    : mcv_grey(0.0f);
-    }
-#endif
-#if MCV_WITH_PROJECTOR && MCV_WITH_TEXTURE
-    if (e->type == MCV_EMITTER_PROJECTOR) {
-        mcv_pixel pixel;
-        return mcv_find_projector_pixel(world, surface, e, direction, &pixel)
-                   ? mcv_pixel_radiance(world, e, pixel)
-                   : mcv_grey(0.0f);
-    }
 #endif
     return mcv_dim(mcv_full_radiance(world, surface, emitter),
                    mcv_radiance_share(e, surface.face, surface.normal, direction));

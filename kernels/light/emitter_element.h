@@ -19,26 +19,6 @@ MCV_LOOP_FUNCTION uint mcv_environment_element(mcv_world world) {
     return MCV_WITH_RECORDS ? world.frame->environment_element : 0u;
 }
 
-#if MCV_WITH_RECORDS && MCV_WITH_TEXTURE && (MCV_WITH_EMISSION || MCV_WITH_BEAM)
-/* The pixel of an emitter's image that sends light from a place in a direction (unit, away from the
- * surface); 0 if none does. */
-MCV_FUNCTION int mcv_emitting_pixel(mcv_world world, mcv_surface surface,
-                                    __global const mcv_device_emitter *e, mcv_vec3 direction,
-                                    mcv_pixel *pixel) {
-#if MCV_WITH_LIGHT_FIELD
-    if (e->type == MCV_EMITTER_LIGHT_FIELD_EMITTER)
-        return mcv_find_light_field_pixel(world, surface, e, direction, pixel);
-#endif
-#if MCV_WITH_PROJECTOR
-    if (e->type == MCV_EMITTER_PROJECTOR)
-        return mcv_find_projector_pixel(world, surface, e, direction, pixel);
-#endif
-    *pixel = mcv_texel_at(world, surface, e->texture);
-    (void)direction;
-    return 1;
-}
-#endif
-
 /* That which sends light from a place on an emitter in a direction (unit, away from the surface).
  */
 MCV_FUNCTION uint mcv_emitter_element_of(mcv_world world, uint emitter, mcv_surface surface,
@@ -48,8 +28,12 @@ MCV_FUNCTION uint mcv_emitter_element_of(mcv_world world, uint emitter, mcv_surf
 #if MCV_WITH_RECORDS && MCV_WITH_TEXTURE && (MCV_WITH_EMISSION || MCV_WITH_BEAM)
     mcv_pixel pixel;
     __global const mcv_device_emitter *e = world.emitters + emitter;
-    if (e->emitter_element_width > 0u && mcv_emitting_pixel(world, surface, e, direction, &pixel))
-        emitter_element += pixel.row * e->emitter_element_width + pixel.column;
+    if (e->emitter_element_width == 0u) return emitter_element;
+    if (!MCV_SENDS_BY_PIXEL(e))
+        pixel = mcv_texel_at(world, surface, e->texture);
+    else if (!mcv_find_pixel(world, surface, e, direction, &pixel))
+        return emitter_element;
+    emitter_element += pixel.row * e->emitter_element_width + pixel.column;
 #endif
     return emitter_element;
 }

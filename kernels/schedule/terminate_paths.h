@@ -113,8 +113,7 @@ MCV_LOOP_FUNCTION uint mcv_shade_lamp_hits(mcv_world world, uint *apart, uint co
 MCV_BATCH void mcv_share_lamp(mcv_world world, uint *apart, uint count, uint emitter,
                               float *shares) {
     MCV_EACH_PATH (slot, apart, 0, count) {
-        const mcv_hit hit = {MCV_LOAD(slot, hit, 0), MCV_LOAD(slot, hit, 1), MCV_LOAD(slot, hit, 2),
-                             MCV_WORD(slot, hit, 3)};
+        const mcv_hit hit = mcv_load_hit(slot);
         if (MCV_WORD(slot, path_class, 0) != MCV_PATH_CLASS_CARRIED) continue;
         const mcv_vec3 direction = MCV_LOAD_3(slot, direction);
         const mcv_interaction interaction =

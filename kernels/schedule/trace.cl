@@ -8,6 +8,7 @@
 #include "stage/intersect_closest.h"
 #include "path/camera_path.h"
 #include "bsdf/bsdf.h"
+#include "geometry/interaction.h"
 #include "geometry/precise.h"
 
 MCV_FUNCTION void mcv_write_vector(__global float *to, mcv_vec3 v) {
@@ -67,8 +68,7 @@ static mcv_hit mcv_trace_on(mcv_world world, mcv_slot slot, mcv_traced *at) {
     if (MCV_WITH_DIELECTRIC) MCV_WORD(slot, media, 0) = at->on.media;
     if (MCV_WITH_SURFACES) MCV_WORD(slot, origin_surface, 0) = at->origin_surface;
     mcv_intersect_closest(world, slot);
-    const mcv_hit hit = {MCV_LOAD(slot, hit, 0), MCV_LOAD(slot, hit, 1), MCV_LOAD(slot, hit, 2),
-                         MCV_WORD(slot, hit, 3)};
+    const mcv_hit hit = mcv_load_hit(slot);
     at->primitive = hit.primitive;
     at->distance = hit.t;
     at->transmittance = MCV_LOAD(slot, throughput, 0);
@@ -100,20 +100,18 @@ static float mcv_traced_radiance(mcv_world world, mcv_interaction interaction, u
 
 /* The ray arrives at the surface of a hit and goes on from there. */
 static void mcv_pass_surface(mcv_world world, mcv_hit hit, mcv_traced *at) {
-    const mcv_pair always_refract = {1.0f, 0.0f};
     const mcv_vec3 nothing = mcv_vec(0.0f, 0.0f, 0.0f);
     const mcv_interaction interaction =
         mcv_hit_interaction(world, at->origin, at->on.direction, hit);
     const uint media = at->on.media;
     uint unmatched = 0;
-    mcv_scattering other;
 #if MCV_WITH_MIXED
     const mcv_vec3 low = at->origin_low;
     const mcv_precise_ray ray =
         mcv_precise_ray_of(at->origin, low, at->on.direction, at->direction_low);
 #endif
     at->radiance = mcv_traced_radiance(world, interaction, media);
-    at->on = mcv_scatter(world, interaction, media, always_refract, 1.0f, 0, &unmatched, &other);
+    at->on = mcv_scatter_through(world, interaction, media, &unmatched);
     at->point = interaction.surface.point;
     at->normal = interaction.normal;
     at->point_low = at->normal_low = at->direction_low = nothing;

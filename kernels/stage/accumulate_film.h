@@ -2,8 +2,7 @@
 /*
  * Stage: sums the paths of a block (consecutive samples of one pixel and replicate, a power of two
  * of at most MCV_BLOCK) over a binary tree, as unevaluated sums of two floats: 48 bits without
- * double precision. The value of a path is the sum of its branches'. reads radiance, weight ->
- * writes sums
+ * double precision. The value of a path is the sum of its branches'.
  */
 #ifndef MCVISI_KERNELS_ACCUMULATE_FILM_H
 #define MCVISI_KERNELS_ACCUMULATE_FILM_H

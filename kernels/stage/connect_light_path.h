@@ -1,10 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/*
- * Stage: connects a light path at a scattering surface to a point of the lens, straight or through
- * plates.
- *
- * reads ray, hit -> writes connection
- */
+/* Stage: connects a light path at a scattering surface to a point of the lens, straight or through
+ * plates. */
 #ifndef MCVISI_KERNELS_CONNECT_LIGHT_PATH_H
 #define MCVISI_KERNELS_CONNECT_LIGHT_PATH_H
 
@@ -110,9 +106,7 @@ MCV_FUNCTION mcv_color mcv_connection_transmittance(mcv_world world, mcv_connect
                                                     uint plates, uint counts[MCV_COUNTER_COUNT]) {
     mcv_color transmittance = mcv_grey(1.0f);
 #if MCV_WITH_SHEET
-    const mcv_pair never_reflect = {1.0f, 0.0f};
     for (;; --plates) {
-        mcv_scattering other;
         const mcv_vec3 way = mcv_sub(connection.end, connection.origin);
         const mcv_hit hit =
             mcv_closest_within(world, connection.origin, way, connection.origin_surface);
@@ -121,8 +115,8 @@ MCV_FUNCTION mcv_color mcv_connection_transmittance(mcv_world world, mcv_connect
         const mcv_interaction interaction = mcv_surface_interaction(
             mcv_hit_surface(world, connection.origin, way, hit), mcv_normalize(way));
         if (plates == 0 || !mcv_is_plate(world, interaction)) return mcv_grey(0.0f);
-        const mcv_scattering on = mcv_scatter(world, interaction, connection.media, never_reflect,
-                                              0.0f, 0, &counts[MCV_COUNTER_unmatched], &other);
+        const mcv_scattering on = mcv_scatter_through(world, interaction, connection.media,
+                                                      &counts[MCV_COUNTER_unmatched]);
         if (on.event != MCV_EVENT_PASS) return mcv_grey(0.0f);
         transmittance = mcv_dim(mcv_tint(transmittance, on.factor), on.chance);
         if (!(mcv_brightest(transmittance) > 0.0f)) return transmittance;

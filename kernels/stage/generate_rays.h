@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Stage: begins a path at the sensor. writes ray, weight, throughput 1, radiance 0, media, stream,
- * sample */
+/* Stage: begins a path at the sensor. */
 #ifndef MCVISI_KERNELS_GENERATE_RAYS_H
 #define MCVISI_KERNELS_GENERATE_RAYS_H
 

@@ -5,7 +5,7 @@
  * (sines, about the emitter's axis) first-order optics says how they change with the point p of the
  * pupil and the place s in the pixel: q = q0 + A (p - p0) + B s. Newton's method finds the centre,
  * q = 0; the cone |q| <= sin β is an ellipse about it. Only how fast an image converges depends on
- * it, not what it shows. writes pupil guides
+ * it, not what it shows.
  */
 #ifndef MCVISI_KERNELS_GUIDE_PUPIL_H
 #define MCVISI_KERNELS_GUIDE_PUPIL_H
@@ -29,7 +29,6 @@ typedef struct mcv_arrival {
 
 /* Follows a camera ray, always refracted where that is possible. */
 static mcv_arrival mcv_follow(mcv_world world, mcv_film_sample film, float p_x, float p_y) {
-    const mcv_pair always_refract = {1.0f, 0.0f};
     const mcv_ray begun =
         mcv_place_sensor_ray(world.frame, mcv_sensor_through(world.sensor, film, p_x, p_y));
     mcv_vec3 origin = begun.origin;
@@ -56,9 +55,7 @@ static mcv_arrival mcv_follow(mcv_world world, mcv_film_sample film, float p_x, 
             arrival.emitter = emitter;
             return arrival;
         }
-        mcv_scattering other;
-        const mcv_scattering on =
-            mcv_scatter(world, interaction, media, always_refract, 1.0f, 0, &unmatched, &other);
+        const mcv_scattering on = mcv_scatter_through(world, interaction, media, &unmatched);
         if (on.event == MCV_EVENT_NON_SPECULAR) return arrival;
         origin = mcv_onward_origin(interaction, on.direction);
         direction = on.direction;

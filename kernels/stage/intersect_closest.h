@@ -1,6 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Stage: finds the first surface on a ray. reads ray -> writes hit, throughput after absorption on
- * the way */
+/* Stage: finds the first surface on a ray, and what absorption on the way leaves. */
 #ifndef MCVISI_KERNELS_INTERSECT_CLOSEST_H
 #define MCVISI_KERNELS_INTERSECT_CLOSEST_H
 

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Stage: adds the light of a shadow ray that nothing blocks. reads shadow ray -> writes radiance */
+/* Stage: adds the light of a shadow ray that nothing blocks. */
 #ifndef MCVISI_KERNELS_INTERSECT_SHADOW_H
 #define MCVISI_KERNELS_INTERSECT_SHADOW_H
 

@@ -4,8 +4,6 @@
  * and replicate), the element, and the value that the film gets. The order of the records depends
  * on the device; the host adds them up as integers (host/transport/gather.h). What no longer fits
  * is counted, and the host renders it again in smaller launches.
- *
- * reads weight, cell -> writes records
  */
 #ifndef MCVISI_KERNELS_RECORD_LIGHT_H
 #define MCVISI_KERNELS_RECORD_LIGHT_H

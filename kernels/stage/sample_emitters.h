@@ -9,8 +9,6 @@
  * - into a pixel of an environment's image, chosen by its contribution.
  * The power heuristic weights this against the surface's own choice of directions. Beams and lights
  * without extent have full weight: no direction of the surface's own meets them.
- *
- * reads ray, hit -> writes shadow ray
  */
 #ifndef MCVISI_KERNELS_SAMPLE_EMITTERS_H
 #define MCVISI_KERNELS_SAMPLE_EMITTERS_H

@@ -1,8 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Stage: what a surface does to a path. Adds what it emits, then chooses how the path goes on. Each
- * path is continued or ended exactly once. reads ray, hit -> writes radiance, and ray, throughput,
- * media, density | ends
+ * path is continued or ended exactly once.
  */
 #ifndef MCVISI_KERNELS_SHADE_HIT_H
 #define MCVISI_KERNELS_SHADE_HIT_H

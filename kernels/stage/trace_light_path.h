@@ -9,8 +9,6 @@
  * Light that camera paths find too is weighted by the balance heuristic (mcv_light_share). Where a
  * camera path on a near-specular surface would need next-event estimation, light paths alone bring
  * that light.
- *
- * reads nothing -> writes splats
  */
 #ifndef MCVISI_KERNELS_TRACE_LIGHT_PATH_H
 #define MCVISI_KERNELS_TRACE_LIGHT_PATH_H

@@ -36,11 +36,6 @@ MCV_ASSERT_SIZE(mcv_aperture, 4136);
 
 #if !MCV_ON_DEVICE || MCV_WITH_APERTURE
 
-/* A place of the pupil, and the weight of a ray through it. */
-typedef struct mcv_pupil_sample {
-    float x, y, weight;
-} mcv_pupil_sample;
-
 MCV_FUNCTION mcv_pupil_sample mcv_sample_cells(MCV_CONSTANT const mcv_aperture *a, float xi,
                                                float eta) {
     mcv_pupil_sample to;

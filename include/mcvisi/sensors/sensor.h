@@ -244,4 +244,30 @@ MCV_FUNCTION float mcv_sensor_ray_weight(float etendue, float bend, mcv_vec3 ori
     return etendue > 0.0f ? etendue / (squared * squared) : 1.0f;
 }
 
+/* A place of the pupil, in its radii, and the weight of a ray through it. */
+typedef struct mcv_pupil_sample {
+    float x, y, weight;
+} mcv_pupil_sample;
+
+/* A place of the whole disc. */
+MCV_LOOP_FUNCTION mcv_pupil_sample mcv_sample_disc(float xi, float eta) {
+    mcv_pupil_sample to;
+    float cosine, sine;
+    const float r = mcv_disk(xi, eta, &cosine, &sine);
+    to.x = r * cosine;
+    to.y = r * sine;
+    to.weight = 1.0f;
+    return to;
+}
+
+/* A place of a sensor's pupil, and the weight of a ray through a place that is uniform on the disc
+ * (mcvisi/sensors/aperture.h). */
+#if MCV_WITH_APERTURE
+#define MCV_SAMPLE_PUPIL(sensor, xi, eta) mcv_sample_aperture(&(sensor)->aperture, xi, eta)
+#define MCV_PUPIL_WEIGHT(sensor, x, y) mcv_aperture_weight(&(sensor)->aperture, x, y)
+#else
+#define MCV_SAMPLE_PUPIL(sensor, xi, eta) mcv_sample_disc(xi, eta)
+#define MCV_PUPIL_WEIGHT(sensor, x, y) 1.0f
+#endif
+
 #endif

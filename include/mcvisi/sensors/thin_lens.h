@@ -103,27 +103,17 @@ MCV_LOOP_FUNCTION mcv_sensor_ray mcv_thin_lens_ray(MCV_CONSTANT const mcv_thin_l
 /* The camera ray through a point of the lens, in lens radii. */
 MCV_LOOP_FUNCTION mcv_sensor_ray mcv_thin_lens_through(MCV_CONSTANT const mcv_thin_lens *sensor,
                                                        mcv_film_sample film, float p_x, float p_y) {
-#if MCV_WITH_APERTURE
     mcv_sensor_ray sensor_ray = mcv_thin_lens_ray(sensor, film, p_x, p_y);
-    sensor_ray.weight *= mcv_aperture_weight(&sensor->aperture, p_x, p_y);
+    sensor_ray.weight *= MCV_PUPIL_WEIGHT(sensor, p_x, p_y);
     return sensor_ray;
-#else
-    return mcv_thin_lens_ray(sensor, film, p_x, p_y);
-#endif
 }
 
 MCV_LOOP_FUNCTION mcv_sensor_ray mcv_thin_lens_sample(MCV_CONSTANT const mcv_thin_lens *sensor,
                                                       mcv_film_sample film, float xi, float eta) {
-#if MCV_WITH_APERTURE
-    const mcv_pupil_sample p = mcv_sample_aperture(&sensor->aperture, xi, eta);
+    const mcv_pupil_sample p = MCV_SAMPLE_PUPIL(sensor, xi, eta);
     mcv_sensor_ray sensor_ray = mcv_thin_lens_ray(sensor, film, p.x, p.y);
     sensor_ray.weight *= p.weight;
     return sensor_ray;
-#else
-    float cosine, sine;
-    const float r = mcv_disk(xi, eta, &cosine, &sine);
-    return mcv_thin_lens_ray(sensor, film, r * cosine, r * sine);
-#endif
 }
 
 #if !MCV_ON_DEVICE || MCV_WITH_LIGHT_TRACING
