@@ -14,7 +14,15 @@
 
 /* Which of the tests run: no file of them shall take long. test_light_tracing_slow.c: all, with all
  * cases. */
-enum { GROUP_SLABS, GROUP_LENSES, GROUP_BEAMS, GROUP_GLOSS, GROUP_ALL };
+enum {
+    GROUP_SLABS,
+    GROUP_LENSES,
+    GROUP_PROJECTOR,
+    GROUP_BEAMS,
+    GROUP_GLOSS,
+    GROUP_METAL,
+    GROUP_ALL
+};
 #ifndef GROUP
 #define GROUP GROUP_SLABS
 #endif
@@ -571,12 +579,15 @@ static void test_lamp_against_reference(void **state) {
 }
 
 /*
- * A lamp, a wide cone or a point light over a ball of ground glass (of facets in the quick test:
- * without exact surfaces programs are smaller) and a satin plate, on paper between walls: what they
- * throw onto the paper comes by light paths. Camera paths find it by chance or, from the last rough
+ * A lamp, a wide cone or a point light over a ball of ground glass (of facets in the quick tests:
+ * without exact surfaces programs are smaller), a satin and a brushed plate, on paper between
+ * walls: what they throw onto the paper comes by light paths. In the quick tests the ball and the
+ * plates are in programs of their own. Camera paths find it by chance or, from the last rough
  * surface, by next-event estimation.
  */
 enum { LAMP, CONE, POINT, LIGHTS };
+#define WITH_BALL ((int)GROUP != (int)GROUP_METAL)
+#define WITH_PLATES (SLOW || !WITH_BALL)
 static const char *const lights[] = {"lamp", "cone", "point light"};
 
 static void add_facetted_ball(mcv_scene *scene, double radius, uint32_t material,
@@ -601,7 +612,7 @@ static mcv_scene *rough_scene(int light) {
     satin.as.conductor.roughness = 0.4;
     brushed.as.metallic_roughness.metallic = 1;
     brushed.as.metallic_roughness.roughness = 0.45;
-    const uint32_t glass = add_material(scene, MCV_MATERIAL_DIELECTRIC, &ground),
+    const uint32_t glass = WITH_BALL ? add_material(scene, MCV_MATERIAL_DIELECTRIC, &ground) : 0,
                    paper = add_diffuse(scene, 0.7);
     add_rectangle(scene, 0.06, 0.06, paper, looking_up_z(0, 0, 0));
     add_rectangle(scene, 0.06, 0.03, paper,
@@ -611,15 +622,17 @@ static mcv_scene *rough_scene(int light) {
     ball.to_world = looking_down_z(0, 0, 0.009);
     if (SLOW)
         add_solid(scene, &ball, glass, glass);
-    else
+    else if (WITH_BALL)
         add_facetted_ball(scene, 0.005, glass, ball.to_world);
-    add_rectangle(scene, 0.012, 0.012, add_material(scene, MCV_MATERIAL_CONDUCTOR, &satin),
-                  looking((const double[]){0.012, 0.004, 0.01}, (const double[]){-s, 0, s},
-                          (const double[]){0, 1, 0}));
-    add_rectangle(scene, 0.012, 0.012,
-                  add_material(scene, MCV_MATERIAL_METALLIC_ROUGHNESS, &brushed),
-                  looking((const double[]){-0.004, -0.012, 0.008},
-                          (const double[]){0, 3 * root, root}, (const double[]){1, 0, 0}));
+    if (WITH_PLATES) {
+        add_rectangle(scene, 0.012, 0.012, add_material(scene, MCV_MATERIAL_CONDUCTOR, &satin),
+                      looking((const double[]){0.012, 0.004, 0.01}, (const double[]){-s, 0, s},
+                              (const double[]){0, 1, 0}));
+        add_rectangle(scene, 0.012, 0.012,
+                      add_material(scene, MCV_MATERIAL_METALLIC_ROUGHNESS, &brushed),
+                      looking((const double[]){-0.004, -0.012, 0.008},
+                              (const double[]){0, 3 * root, root}, (const double[]){1, 0, 0}));
+    }
     if (light == POINT) {
         add_point(scene, 0.01, looking_down_z(0.004, 0, 0.04));
     } else {
@@ -631,7 +644,8 @@ static mcv_scene *rough_scene(int light) {
     mcv_sensor sensor = sensor_of(TELECENTRIC, true);
     for (int k = 0; k < 2; ++k) {
         sensor.as.telecentric.resolution[k] = 8;
-        sensor.as.telecentric.pixelSize[k] *= SLOW ? 4 * 16 / 8 : 2; /* the ball's shadow alone */
+        /* Of the quick tests one sees the ball's shadow alone. */
+        sensor.as.telecentric.pixelSize[k] *= WITH_PLATES ? 4 * 16 / 8 : 2;
     }
     add_sensor(scene, sensor.type, &sensor,
                looking((const double[]){0.2, 0, 0.2}, (const double[]){-s, 0, -s},
@@ -750,8 +764,8 @@ int main(void) {
         cmocka_unit_test(test_slab_before_every_sensor), cmocka_unit_test(test_oblique_view),
         cmocka_unit_test(test_point_lights_behind_slab), cmocka_unit_test(test_coaxial)};
     const struct CMUnitTest lenses[] = {cmocka_unit_test(test_sun_through_four_slabs),
-                                        cmocka_unit_test(test_projector_through_slab),
                                         cmocka_unit_test(test_lens_gathers)};
+    const struct CMUnitTest projector[] = {cmocka_unit_test(test_projector_through_slab)};
     const struct CMUnitTest beams[] = {cmocka_unit_test(test_beam_into_lens),
                                        cmocka_unit_test(test_same_bits)};
     const struct CMUnitTest gloss[] = {cmocka_unit_test(test_rough_against_chance)};
@@ -772,9 +786,12 @@ int main(void) {
         return cmocka_run_group_tests(slabs, NULL, NULL);
     case GROUP_LENSES:
         return cmocka_run_group_tests(lenses, NULL, NULL);
+    case GROUP_PROJECTOR:
+        return cmocka_run_group_tests(projector, NULL, NULL);
     case GROUP_BEAMS:
         return cmocka_run_group_tests(beams, NULL, NULL);
     case GROUP_GLOSS:
+    case GROUP_METAL:
         return cmocka_run_group_tests(gloss, NULL, NULL);
     default:
         return cmocka_run_group_tests(all, NULL, NULL);
