@@ -15,6 +15,8 @@ typedef struct work {
     mcv_rendering *rendering;
     mcv_deflectometry found;
     uint32_t sensor, emitter;
+    mcv_picture **picture;
+    char **report; /* or NULL */
 } work;
 
 /* A scene of its own for each direction: its screen shows other elements. */
@@ -66,33 +68,20 @@ static mcv_result tell(const work *w, char **report, mcv_error *error) {
     return mcv_report_take(&r, report, error);
 }
 
-static mcv_result run(work *w, mcv_picture **picture, char **report, mcv_error *error) {
-    MCV_TRY(mcv_deflectometry_check(w->command, error));
+static mcv_result run(void *own, const mcv_command *command, mcv_rendering *r, mcv_error *error) {
+    work *w = own;
+    w->command = command;
+    w->rendering = r;
+    MCV_TRY(mcv_deflectometry_check(command, error));
     MCV_TRY(look_across(w, 0, error));
     MCV_TRY(look_across(w, 1, error));
     MCV_TRY(find_shape(w, error));
-    MCV_TRY(mcv_deflectometry_picture(&w->found, picture, error));
-    mcv_result result = mcv_deflectometry_write(w->command, *picture, error);
-    if (result == MCV_OK) result = tell(w, report, error);
+    MCV_TRY(mcv_deflectometry_picture(&w->found, w->picture, error));
+    mcv_result result = mcv_deflectometry_write(command, *w->picture, error);
+    if (result == MCV_OK) result = tell(w, w->report, error);
     if (result == MCV_OK) return MCV_OK;
-    mcv_picture_free(*picture);
-    *picture = NULL;
-    return result;
-}
-
-static mcv_result run_rig(mcv_session *session, const mcv_rig *rig, const char *text,
-                          mcv_rendering *r, mcv_picture **picture, char **report,
-                          mcv_error *error) {
-    const char *const arguments[2] = {rig->document.path};
-    mcv_options_given given;
-    MCV_TRY(mcv_options_read(text, session->defaults, MCV_VERB_DEFLECTOMETRY, arguments, NULL,
-                             &given, error));
-    work w = {.session = session, .rig = rig, .command = &given.command, .rendering = r};
-    mcv_result result = mcv_rendering_changes(r, rig, &given.command, error);
-    if (result == MCV_OK) result = run(&w, picture, report, error);
-    mcv_deflectometry_free(&w.found);
-    free((void *)r->rendered.set.items);
-    mcv_options_free(&given);
+    mcv_picture_free(*w->picture);
+    *w->picture = NULL;
     return result;
 }
 
@@ -104,11 +93,9 @@ mcv_result mcv_session_deflectometry(mcv_session *session, const mcv_rig *rig, c
     if (report) *report = NULL;
     MCV_NEED(session);
     MCV_NEED(rig);
-    MCV_TRY(mcv_session_begin(session, error));
-    mcv_rendering r = {.call = progress, .user = user, .rig = rig, .begun = mcv_seconds()};
-    r.host = mcv_border_enter();
-    const mcv_result result = run_rig(session, rig, options, &r, picture, report, error);
-    mcv_border_leave(r.host);
-    mcv_session_end(session);
+    work w = {.session = session, .rig = rig, .picture = picture, .report = report};
+    const mcv_result result = mcv_rendering_verb(session, rig, MCV_VERB_DEFLECTOMETRY, options,
+                                                 progress, user, run, &w, error);
+    mcv_deflectometry_free(&w.found);
     return result;
 }

@@ -234,6 +234,31 @@ mcv_result mcv_rendering_changes(mcv_rendering *r, const mcv_rig *rig, const mcv
     return MCV_OK;
 }
 
+static mcv_result do_work(mcv_session *session, const mcv_rig *rig, unsigned verb,
+                          const char *options, mcv_rendering *r, mcv_rendering_work *work,
+                          void *own, mcv_error *error) {
+    const char *const arguments[2] = {rig->document.path};
+    mcv_options_given given;
+    MCV_TRY(mcv_options_read(options, session->defaults, verb, arguments, NULL, &given, error));
+    mcv_result result = mcv_rendering_changes(r, rig, &given.command, error);
+    if (result == MCV_OK) result = work(own, &given.command, r, error);
+    free((void *)r->rendered.set.items);
+    mcv_options_free(&given);
+    return result;
+}
+
+mcv_result mcv_rendering_verb(mcv_session *session, const mcv_rig *rig, unsigned verb,
+                              const char *options, mcv_progress_call *progress, void *user,
+                              mcv_rendering_work *work, void *own, mcv_error *error) {
+    MCV_TRY(mcv_session_begin(session, error));
+    mcv_rendering r = {.call = progress, .user = user, .rig = rig, .begun = mcv_seconds()};
+    r.host = mcv_border_enter();
+    const mcv_result result = do_work(session, rig, verb, options, &r, work, own, error);
+    mcv_border_leave(r.host);
+    mcv_session_end(session);
+    return result;
+}
+
 /* Options that a render has on the command line only: its files, and those of the camera that
  * reads it out, which is a call of its own here. */
 static void list_others(const char *names[MCV_OPTION_COUNT + 1]) {

@@ -29,6 +29,15 @@ typedef struct mcv_rendering {
 mcv_result mcv_rendering_changes(mcv_rendering *r, const mcv_rig *rig, const mcv_command *command,
                                  mcv_error *error);
 
+/* The work of a verb on a rig, with arguments of its own. */
+typedef mcv_result mcv_rendering_work(void *own, const mcv_command *command, mcv_rendering *r,
+                                      mcv_error *error);
+
+/* Does it, with these options as text, between the beginning and the end of a session's call. */
+mcv_result mcv_rendering_verb(mcv_session *session, const mcv_rig *rig, unsigned verb,
+                              const char *options, mcv_progress_call *progress, void *user,
+                              mcv_rendering_work *work, void *own, mcv_error *error);
+
 /* Tells the callback how far it is. */
 void mcv_rendering_tell(mcv_rendering *r, double fraction, double error, bool writing);
 

@@ -24,6 +24,8 @@ typedef struct work {
     uint32_t sensor;
     ref_geometry geometry; /* of the parts, which stand still, for their speckle */
     mcv_scan scan;
+    mcv_picture **picture;
+    char **report; /* or NULL */
 } work;
 
 /* What is rendered of a profile. */
@@ -211,7 +213,10 @@ static mcv_result take_head(work *w, mcv_error *error) {
     return MCV_OK;
 }
 
-static mcv_result run(work *w, mcv_picture **picture, char **report, mcv_error *error) {
+static mcv_result run(void *own, const mcv_command *command, mcv_rendering *r, mcv_error *error) {
+    work *w = own;
+    w->command = command;
+    w->rendering = r;
     mcv_scene **const scenes[] = {&w->still, &w->moving};
     for (int i = 0; i < 2; ++i) {
         MCV_TRY(mcv_session_scene(w->session, w->rig, w->command, scenes[i], error));
@@ -224,29 +229,10 @@ static mcv_result run(work *w, mcv_picture **picture, char **report, mcv_error *
     if (result == MCV_OK && !w->command->scan_speckle)
         result = ref_geometry_new(w->moving, &w->geometry, error);
     if (result == MCV_OK) result = scan_all(w, error);
-    if (result == MCV_OK) result = tell(w, report, error);
-    if (result == MCV_OK) result = mcv_profiles_picture(w->scan.profiles, picture, error);
+    if (result == MCV_OK) result = tell(w, w->report, error);
+    if (result == MCV_OK) result = mcv_profiles_picture(w->scan.profiles, w->picture, error);
     if (w->geometry.scene) ref_geometry_free(&w->geometry);
     mcv_scan_free(&w->scan);
-    return result;
-}
-
-static mcv_result run_rig(mcv_session *session, const mcv_rig *rig, const char *text,
-                          mcv_rendering *r, mcv_picture **picture, char **report,
-                          mcv_error *error) {
-    const char *const arguments[2] = {rig->document.path};
-    mcv_options_given given;
-    MCV_TRY(
-        mcv_options_read(text, session->defaults, MCV_VERB_SCAN, arguments, NULL, &given, error));
-    work w = {
-        .session = session, .rig = rig, .command = &given.command, .text = text, .rendering = r};
-    mcv_result result = mcv_rendering_changes(r, rig, &given.command, error);
-    if (result == MCV_OK) result = run(&w, picture, report, error);
-    mcv_scene_free(w.still);
-    mcv_scene_free(w.moving);
-    free((void *)r->rendered.set.items);
-    mcv_options_free(&given);
-    if (w.command != &given.command) mcv_options_free(&w.head);
     return result;
 }
 
@@ -258,11 +244,12 @@ mcv_result mcv_session_scan(mcv_session *session, const mcv_rig *rig, const char
     if (report) *report = NULL;
     MCV_NEED(session);
     MCV_NEED(rig);
-    MCV_TRY(mcv_session_begin(session, error));
-    mcv_rendering r = {.call = progress, .user = user, .rig = rig, .begun = mcv_seconds()};
-    r.host = mcv_border_enter();
-    const mcv_result result = run_rig(session, rig, options, &r, picture, report, error);
-    mcv_border_leave(r.host);
-    mcv_session_end(session);
+    work w = {
+        .session = session, .rig = rig, .text = options, .picture = picture, .report = report};
+    const mcv_result result =
+        mcv_rendering_verb(session, rig, MCV_VERB_SCAN, options, progress, user, run, &w, error);
+    mcv_scene_free(w.still);
+    mcv_scene_free(w.moving);
+    mcv_options_free(&w.head); /* nothing, where the sensor is no head */
     return result;
 }

@@ -172,42 +172,34 @@ static mcv_result check_files(const mcv_command *command, mcv_error *error) {
     return command->white ? mcv_output_check(command->white, error) : MCV_OK;
 }
 
-static mcv_result render_matrix(mcv_session *session, const mcv_rig *rig,
-                                const mcv_command *command, mcv_rendering *r,
-                                mcv_transport **transport, char **report, mcv_error *error) {
+/* What mcv_session_transport is given. */
+typedef struct transport_call {
+    mcv_session *session;
+    const mcv_rig *rig;
+    mcv_transport **transport;
+    char **report; /* or NULL */
+} transport_call;
+
+static mcv_result render_matrix(void *own, const mcv_command *command, mcv_rendering *r,
+                                mcv_error *error) {
+    const transport_call *call = own;
+    mcv_transport **transport = call->transport;
     mcv_scene *scene = NULL;
     uint32_t sensor;
     MCV_TRY(check_files(command, error));
-    MCV_TRY(mcv_session_scene(session, rig, command, &scene, error));
+    MCV_TRY(mcv_session_scene(call->session, call->rig, command, &scene, error));
     mcv_result result = mcv_session_sensor(scene, command, &sensor, error);
     if (result == MCV_OK) result = new_transport(scene->path, transport, error);
     if (result == MCV_OK)
-        result =
-            mcv_rendering_matrix(session, command, r, scene, sensor, &(*transport)->matrix, error);
+        result = mcv_rendering_matrix(call->session, command, r, scene, sensor,
+                                      &(*transport)->matrix, error);
     mcv_scene_free(scene);
     if (result == MCV_OK && command->matrix)
         result = mcv_matrix_write(&(*transport)->matrix, command->matrix, error);
     if (result == MCV_OK && command->white) result = write_white(*transport, command->white, error);
-    return result == MCV_OK ? tell(command, *transport, mcv_seconds() - r->begun, report, error)
-                            : result;
-}
-
-static mcv_result render_rig(mcv_session *session, const mcv_rig *rig, const char *text,
-                             mcv_rendering *r, mcv_transport **transport, char **report,
-                             mcv_error *error) {
-    const char *const arguments[2] = {rig->document.path};
-    mcv_options_given given;
-    MCV_TRY(mcv_options_read(text, session->defaults, MCV_VERB_TRANSPORT, arguments, NULL, &given,
-                             error));
-    mcv_result result = mcv_rendering_changes(r, rig, &given.command, error);
-    if (result == MCV_OK)
-        result = render_matrix(session, rig, &given.command, r, transport, report, error);
-    free((void *)r->rendered.set.items);
-    mcv_options_free(&given);
-    if (result == MCV_OK) return MCV_OK;
-    mcv_transport_free(*transport);
-    *transport = NULL;
-    return result;
+    return result == MCV_OK
+               ? tell(command, *transport, mcv_seconds() - r->begun, call->report, error)
+               : result;
 }
 
 mcv_result mcv_session_transport(mcv_session *session, const mcv_rig *rig, const char *options,
@@ -218,12 +210,12 @@ mcv_result mcv_session_transport(mcv_session *session, const mcv_rig *rig, const
     if (report) *report = NULL;
     MCV_NEED(session);
     MCV_NEED(rig);
-    MCV_TRY(mcv_session_begin(session, error));
-    mcv_rendering r = {.call = progress, .user = user, .rig = rig, .begun = mcv_seconds()};
-    r.host = mcv_border_enter();
-    const mcv_result result = render_rig(session, rig, options, &r, transport, report, error);
-    mcv_border_leave(r.host);
-    mcv_session_end(session);
+    transport_call call = {session, rig, transport, report};
+    const mcv_result result = mcv_rendering_verb(session, rig, MCV_VERB_TRANSPORT, options,
+                                                 progress, user, render_matrix, &call, error);
+    if (result == MCV_OK) return MCV_OK;
+    mcv_transport_free(*transport);
+    *transport = NULL;
     return result;
 }
 
