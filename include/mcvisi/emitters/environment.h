@@ -42,8 +42,8 @@ typedef struct mcv_environment {
 MCV_ASSERT_SIZE(mcv_environment, 48);
 
 /* The image's pixel for a unit direction towards the sky. */
-MCV_LOOP_FUNCTION void mcv_environment_pixel(MCV_GLOBAL const mcv_environment *sky, mcv_vec3 direction,
-                                        uint *column, uint *row) {
+MCV_LOOP_FUNCTION void mcv_environment_pixel(MCV_GLOBAL const mcv_environment *sky,
+                                             mcv_vec3 direction, uint *column, uint *row) {
     const float right = mcv_dot(direction, mcv_vec(sky->x[0], sky->x[1], sky->x[2]));
     const float up = mcv_dot(direction, mcv_vec(sky->y[0], sky->y[1], sky->y[2]));
     const float back = mcv_dot(direction, mcv_vec(sky->z[0], sky->z[1], sky->z[2]));
@@ -58,7 +58,8 @@ MCV_LOOP_FUNCTION uint mcv_environment_from_pole(MCV_GLOBAL const mcv_environmen
 }
 
 /* The solid angle of a pixel in the row [sr]. */
-MCV_LOOP_FUNCTION float mcv_environment_solid_angle(MCV_GLOBAL const mcv_environment *sky, uint row) {
+MCV_LOOP_FUNCTION float mcv_environment_solid_angle(MCV_GLOBAL const mcv_environment *sky,
+                                                    uint row) {
     const float quarter = 0.25f / (float)sky->height;
     float height, middle, unused;
     mcv_sin_cos_turn(quarter, &height, &unused);
@@ -69,8 +70,8 @@ MCV_LOOP_FUNCTION float mcv_environment_solid_angle(MCV_GLOBAL const mcv_environ
 
 /* A direction uniform in the solid angle of the pixel: sin²(θ/2) is uniform. θ counts from the
  * nearer pole, where a cosine would lose its digits. */
-MCV_LOOP_FUNCTION mcv_vec3 mcv_environment_sample(MCV_GLOBAL const mcv_environment *sky, uint column,
-                                             uint row, float xi, float eta) {
+MCV_LOOP_FUNCTION mcv_vec3 mcv_environment_sample(MCV_GLOBAL const mcv_environment *sky,
+                                                  uint column, uint row, float xi, float eta) {
     const float quarter = 0.25f / (float)sky->height;
     const float first = (float)mcv_environment_from_pole(sky, row);
     float s0, s1, sine, cosine, unused;
