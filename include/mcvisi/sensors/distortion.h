@@ -43,9 +43,9 @@ typedef struct mcv_distortion {
     uint illumination_count; /* 0: all */
     float distance[MCV_CURVE_POINTS], illumination[MCV_CURVE_POINTS];
 } mcv_distortion;
-MCV_ASSERT_SIZE(mcv_distortion, MCV_DISTORTION_SIZE);
 
 #if !MCV_ON_DEVICE || MCV_WITH_DISTORTION
+MCV_ASSERT_SIZE(mcv_distortion, MCV_DISTORTION_SIZE);
 
 /* A place on the film as rays see it. */
 typedef struct mcv_film_view {
