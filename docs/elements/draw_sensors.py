@@ -270,10 +270,18 @@ def laser_triangulation():
             (eye[0] + 34 * across[0], eye[1] + 34 * across[1])], EDGE, 3)
     s.ray([(0, 26), eye], SIGHT, 1.4)
     s.ray([(0, 0), eye], SIGHT, 0.8)
+    # Scheimpflug: the film is on the line through its middle and the point where the plane of the
+    # lens meets the light, (0, meet).
     film = polar(eye, 62, angle)
-    lean = angle + 90 + 16
+    meet = eye[1] - eye[0] * across[1] / across[0]
+    lean = math.degrees(math.atan2(film[1] - meet, film[0]))
     s.line([polar(film, -30, lean), polar(film, 30, lean)], FILM, 4)
     s.line([eye, film], SIGHT, 1.4)
+    steep = math.tan(math.radians(lean))
+    lower = meet / (eye[1] / eye[0] - steep)  # where the ray from (0, 0) meets the film
+    s.line([eye, (lower, lower * eye[1] / eye[0])], SIGHT, 0.8)
+    for one in (eye, film):
+        s.line([(0, meet), one], FAINT, 1, "6 4")
     s.text((film[0] + 44, film[1] - 6), "film, `tilt` τ", "start", FILM)
     s.text((eye[0] + 44, eye[1] - 22), "lens", "start")
     s.arc((0, 26), 74, angle, 90, DIM, 0.9)
