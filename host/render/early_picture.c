@@ -8,15 +8,17 @@
 enum {
     PICTURE_PIXELS = 1 << 14, /* at most */
     PICTURE_SAMPLES = 2,      /* of each */
-    SHORT_RENDER = 1 << 22,   /* paths that need no picture before: a second or two of a CPU */
+    PATHS_FOR_PIXEL = 256,    /* of the render, at least, for each pixel of the picture */
+    SHORT_RENDER = 1 << 20,   /* paths that need no picture before: half a second of a CPU */
 };
 
-/* The columns and rows of the film in one of the picture. */
-static uint32_t stride_for(const mcv_film *film) {
+/* The columns and rows of the film in one of the picture, before a render of so many paths. */
+static uint32_t stride_for(const mcv_film *film, double paths) {
+    const double most = fmin(PICTURE_PIXELS, paths / PATHS_FOR_PIXEL);
     uint32_t stride = 1;
-    while ((uint64_t)((film->width + stride - 1) / stride) *
-               ((film->height + stride - 1) / stride) >
-           PICTURE_PIXELS)
+    while ((double)((film->width + stride - 1) / stride) *
+               (double)((film->height + stride - 1) / stride) >
+           most)
         ++stride;
     return stride;
 }
@@ -110,11 +112,11 @@ mcv_result mcv_show_early(mcv_renderer *r) {
     const mcv_film *film = r->film;
     const double paths = (double)film->width * film->height * film->replicates *
                          (double)(o->last > 0 ? o->last - o->first : SHORT_RENDER);
-    const uint32_t stride = stride_for(film);
     const mcv_render_stats before = *r->stats;
     mcv_image picture;
     bool stop = false;
     if (!o->picture || paths <= SHORT_RENDER) return MCV_OK;
+    const uint32_t stride = stride_for(film, paths);
     MCV_TRY(mcv_image_new(&picture, (film->width + stride - 1) / stride,
                           (film->height + stride - 1) / stride, film->channels, r->error));
     const mcv_result result = render_picture(r, &picture, stride, &stop);
