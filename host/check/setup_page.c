@@ -99,7 +99,7 @@ static bool put_sensor(FILE *out, const mcv_scene *scene, uint32_t index) {
     if (isnan(view.film[0][0])) return true; /* a type of sensor without known optics */
     fputs("<section><h2>", out);
     mcv_html_text(out, sensor->name);
-    fprintf(out, " <small>%s</small></h2>\n", mcv_sensor_types[sensor->type]);
+    fprintf(out, " <small>%s</small></h2>\n", mcv_sensor_types[mcv_sensor_told_type(sensor)]);
     put_numbers(out, &view);
     for (int above = 0; above < 2; ++above)
         if (!mcv_setup_put_view(out, scene, index, above, NULL, NULL)) return false;

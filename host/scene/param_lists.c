@@ -32,7 +32,7 @@ mcv_result mcv_curve_parse(const mcv_param *param, const json_t *pairs, mcv_curv
     const size_t count = json_array_size(pairs);
     const mcv_param length = {.kind = MCV_PARAM_length}, number = {.kind = MCV_PARAM_number};
     if (count < 2 || count > MCV_CURVE_POINTS)
-        return mcv_fail_at(place, error, "must be an array of 2 to %d pairs: %s", MCV_CURVE_POINTS,
+        return mcv_fail_at(place, error, "must be an array of 2 to %d %s", MCV_CURVE_POINTS,
                            param->doc);
     for (size_t i = 0; i < count; ++i) {
         const json_t *pair = json_array_get(pairs, i);

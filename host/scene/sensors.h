@@ -17,6 +17,11 @@ MCV_SENSORS(MCV_SENSOR_FUNCTIONS)
 /* Checks required parameters and ranges by the table, then resolves. */
 mcv_result mcv_sensor_resolve(mcv_sensor *sensor, const mcv_json_path *place, mcv_error *error);
 
+/* The type that the scene tells: a laser triangulation head is rendered as a thin lens. */
+static inline uint32_t mcv_sensor_told_type(const mcv_sensor *sensor) {
+    return sensor->is_head ? MCV_SENSOR_LASER_TRIANGULATION : sensor->type;
+}
+
 /* κ = (b - f)/(b f), the inverse of the focused depth [1/m]. */
 static inline double mcv_kappa(double focal_length, double image_distance) {
     return (image_distance - focal_length) / (image_distance * focal_length);

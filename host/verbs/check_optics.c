@@ -86,14 +86,15 @@ mcv_result mcv_check_report_sensor(mcv_report *report, const mcv_scene *scene, u
                                    mcv_findings *findings, mcv_error *error) {
     const mcv_sensor *sensor = scene->sensors + index;
     const mcv_optics optics = mcv_sensor_optics(sensor);
+    const uint32_t type = mcv_sensor_told_type(sensor);
     uint32_t width, height;
     char label[128];
     mcv_sensor_film_size(sensor, &width, &height);
     mcv_sensor_label(scene, index, label, sizeof label);
-    mcv_report_element(report, label, mcv_sensor_types[sensor->type]);
+    mcv_report_element(report, label, mcv_sensor_types[type]);
     mcv_check_report_place(report, &sensor->to_world);
     mcv_report_numbers(report, "image", "", " x ", (const double[]){width, height}, 2);
-    mcv_check_report_parameters(report, mcv_sensor_table(sensor->type), &sensor->as);
+    mcv_check_report_parameters(report, mcv_sensor_table(type), &sensor->as);
     mcv_report_open(report, "optics");
     mcv_report_number(report, "magnification", "", optics.magnification);
     mcv_report_number(report, "working_distance", "m", optics.focused_depth);

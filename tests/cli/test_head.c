@@ -106,6 +106,33 @@ static void test_new_head(void **state) {
     json_decref(told);
 }
 
+/* `check` tells the head's own type and keys, and for what its scan would be refused. */
+static void test_check(void **state) {
+    (void)state;
+    static const struct {
+        const char *set, *warning;
+    } cases[] = {
+        {"laser=lasr", "laser: there is no node \"lasr\"; did you mean \"laser\"?"},
+        {"frame=plat", "frame: there is no node \"plat\"; did you mean \"plate\"?"},
+        {"feed=0", "feed is missing, or 0, between 2 profiles"},
+        {"filter=700nm", "the laser's 660 nm lie outside of the filter's band, 690 … 710 nm"},
+        {"filter=669nm", NULL}, /* above half of the maximum */
+        {"profiles=1 --set sensors/camera/feed=0", NULL},
+    };
+    program_well("check head.gltf");
+    assert_non_null(strstr(said, "camera: laserTriangulation"));
+    assert_non_null(strstr(said, "frame               plate"));
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        char line[128];
+        snprintf(line, sizeof line, "check head.gltf --set sensors/camera/%s", cases[i].set);
+        program_well(line);
+        const int told =
+            strstr(said, "sensor \"camera\": a scan without options is refused: ") != NULL;
+        if (told != (cases[i].warning != NULL) || (told && !strstr(said, cases[i].warning)))
+            fail_msg("%s: %s", cases[i].set, said);
+    }
+}
+
 static void must_refuse(const char *verb, const char *keys, int code, const char *why) {
     char line[256];
     write_head("bad.gltf", keys);
@@ -135,6 +162,7 @@ int main(void) {
                                        cmocka_unit_test(test_calibration),
                                        cmocka_unit_test(test_render),
                                        cmocka_unit_test(test_new_head),
+                                       cmocka_unit_test(test_check),
                                        cmocka_unit_test(test_bad_input)};
     return cmocka_run_group_tests(tests, write_scenes, leave_folder);
 }
