@@ -61,9 +61,9 @@ static json_t *param_schema(const mcv_param *param) {
             json_array_append_new(list, json_string(options[i]));
         /* Of a lens there may be a list of apertures, one for each exposure. */
         if (strcmp(param->key, "aperture") == 0 && param->max == MCV_APERTURE_MASK)
-            json_object_set_new(schema, "anyOf",
-                                json_pack("[{s:o}, {s:s, s:i}]", "enum", list, "type", "array",
-                                          "minItems", 1));
+            json_object_set_new(
+                schema, "anyOf",
+                json_pack("[{s:o}, {s:s, s:i}]", "enum", list, "type", "array", "minItems", 1));
         else
             json_object_set_new(schema, "enum", list);
         json_object_set_new(schema, "default", json_string(options[(int)param->default_value]));
