@@ -220,7 +220,7 @@ enum {
     X(time, time, "time", 0, "T", MCV_IN_PATHS, NULL, 0, 1e9, \
       "stop between 0.8 T and T seconds (or with a unit: 5min), building the scene and the " \
       "kernels included; earlier where one more sample of each pixel and replicate (8 with " \
-      "--adaptive) would pass T; the first one is always rendered") \
+      "adaptive sampling) would pass T; the first one is always rendered") \
     X(range, samples, "samples", 0, "A:B", MCV_IN_RENDER, NULL, 0, 1ull << 31, \
       "render only samples A to B - 1 of each replicate; B - A is a power of two and A a " \
       "multiple of it") \
@@ -239,8 +239,7 @@ enum {
       "give noisier pixels more samples, and the others fewer: on: if a pilot says that it " \
       "takes fewer samples; auto: if it wins even where noisy pixels take longer; --spp then " \
       "limits the mean; the part `samples` of the OpenEXR file has the number of each pixel; " \
-      "auto " \
-      "is off with --samples and for the reference renderer") \
+      "auto is off with --samples and for the reference renderer") \
     X(choice, sampler, "sampler", 0, "sobol|random", MCV_IN_PROGRAMS, "sobol", 0, 0, \
       "Owen-scrambled Sobol' points, or independent random points") \
     X(choice, split, "split", 0, "on|off", MCV_IN_PROGRAMS, "on", 0, 0, \

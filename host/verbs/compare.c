@@ -74,6 +74,7 @@ mcv_result mcv_compared_read(const mcv_exr *exr, const char *path, mcv_compared 
     snprintf(r->quantity, sizeof r->quantity, "%s", text_attribute(exr, "mcvisi:quantity"));
     snprintf(r->unit, sizeof r->unit, "%s", text_attribute(exr, "mcvisi:unit"));
     snprintf(r->sampler, sizeof r->sampler, "%s", text_attribute(exr, "mcvisi:sampler"));
+    snprintf(r->sampling, sizeof r->sampling, "%s", text_attribute(exr, "mcvisi:sampling"));
     snprintf(r->device, sizeof r->device, "%s", text_attribute(exr, "mcvisi:device"));
     r->seed = number_attribute(exr, "mcvisi:seed");
     return gather_replicates(exr, r, error);

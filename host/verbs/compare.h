@@ -13,7 +13,7 @@ typedef struct mcv_compared {
     mcv_measured measured;
     mcv_film film; /* of a picture: the replicates' means, as of one sample each; empty where it has
                       none */
-    char quantity[64], unit[64], sampler[64], device[256];
+    char quantity[64], unit[64], sampler[64], sampling[64], device[256];
     double seed;
 } mcv_compared;
 

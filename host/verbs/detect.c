@@ -64,6 +64,7 @@ static mcv_result gather(const mcv_command *command, const mcv_exr *const exr[2]
     d->camera = w->read.camera;
     memcpy(d->lens, w->read.lens, sizeof d->lens);
     d->same_seed = w->pictures[0].seed == w->pictures[1].seed;
+    d->same_sampling = strcmp(w->pictures[0].sampling, w->pictures[1].sampling) == 0;
     return MCV_OK;
 }
 
@@ -149,6 +150,10 @@ void mcv_detect_report(const mcv_command *command, const mcv_detected *detected,
         mcv_report_tell(report, "note",
                         "the pictures have different seeds: with the same --seed most of the "
                         "render's noise would be in both, and cancel");
+    else if (!detected->same_sampling)
+        mcv_report_tell(report, "note",
+                        "one of the pictures alone has adaptive sampling: with --adaptive off for "
+                        "both, most of the render's noise would be in both, and cancel");
     if (d->low == 0 && d->high > 0)
         mcv_report_tell(report, "warning",
                         "the render's noise hides the defect: more samples narrow the interval");

@@ -17,7 +17,7 @@ typedef struct mcv_detected {
     mcv_image truth;  /* share of each pixel that sees a defect; owned, or empty */
     char *setup;      /* HTML: the rig from the side; owned, or NULL */
     char lens[128];   /* what blurs, in words */
-    bool same_seed;
+    bool same_seed, same_sampling;
     double step; /* of a parameter between the pictures [SI]; 0: not told */
 } mcv_detected;
 

@@ -111,8 +111,10 @@ static void put_assumed(FILE *out, const mcv_detect_view *view) {
           out);
     mcv_html_text(out, d->lens[0] ? d->lens : "none");
     fprintf(out, ".\n%s</ul>\n",
-            d->same_seed ? ""
-                         : "<li>The pictures have different seeds: their noise does not cancel.\n");
+            !d->same_seed ? "<li>The pictures have different seeds: their noise does not cancel.\n"
+            : !d->same_sampling
+                ? "<li>One picture alone has adaptive sampling: their noise does not cancel.\n"
+                : "");
 }
 
 static void put_files(FILE *out, const mcv_detect_view *view) {

@@ -427,6 +427,18 @@ static void test_render_adaptive(void **state) {
     exr = read_exr("s.exr");
     assert_string_equal(attribute(&exr, "mcvisi:sampling")->text, "adaptive");
     mcv_exr_free(&exr);
+    /* It is the default, and has other random numbers: what needs the same noise is told. */
+#define PICTURE "render s.gltf --spp 256 --resolution 94x62 --sampler random --parts replicates "
+    run_well(PICTURE "-o auto.exr");
+    exr = read_exr("auto.exr");
+    assert_string_equal(attribute(&exr, "mcvisi:sampling")->text, "adaptive");
+    mcv_exr_free(&exr);
+    run_well(PICTURE "--adaptive off -o off.exr");
+    run_well("detect auto.exr off.exr --electrons-per-unit 1000");
+    if (!strstr(err, "--adaptive off for both")) fail_msg("%s", err);
+    run_well("detect auto.exr auto.exr --electrons-per-unit 1000");
+    if (strstr(err, "--adaptive")) fail_msg("%s", err);
+#undef PICTURE
 }
 
 static void test_render_writes_pictures(void **state) {

@@ -141,7 +141,8 @@ static void test_pictures(void **state) {
     assert_true(allowed && allowed < end);
 }
 
-/* Rays are no model of what is smaller than two wavelengths: the page says so, and the program. */
+/* Rays are no model of what is smaller than two wavelengths, and no camera sees a hundredth of a
+ * pixel: the page says so, and the program. */
 static void test_sizes_below_the_model(void **state) {
     (void)state;
     write_file("d.gltf", dented);
@@ -155,6 +156,17 @@ static void test_sizes_below_the_model(void **state) {
     const char *page = read_whole("tiny-pod.html"), *doubt = strstr(page, "the smallest size");
     assert_non_null(doubt);
     assert_non_null(strstr(doubt, "smaller than two wavelengths"));
+    /* Above these, and below the resolution: a pixel sees 200 um. */
+    write_file(
+        "small.json",
+        "{\"rig\": \"d.gltf\", \"vary\": \"defects/nick/size=1.5um..1mm:10\", "
+        "\"metric\": \"dark:=1-mean\", \"spp\": 8, \"pod\": {\"size\": \"size\", \"signal\": "
+        "\"dark\", \"threshold\": \"0.502\"}}");
+    program_well("pod small.json");
+    assert_non_null(strstr(said, "less than a hundredth of the 200 µm"));
+    doubt = strstr(read_whole("small-pod.html"), "the smallest size");
+    assert_non_null(doubt);
+    assert_non_null(strstr(doubt, "less than a hundredth of the 200 µm"));
 }
 
 /* Parameters of a program are none of the scene without the defect. */
