@@ -394,7 +394,6 @@ def laser_head():
             "pixelSize": "5um",
             "radiometry": "irradiance",
             "laser": "laser",
-            "frame": "plate",
             "profiles": 4,
             "feed": "0.2mm",
             "exposeTo": 0.8,

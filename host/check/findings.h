@@ -62,7 +62,7 @@ typedef struct mcv_findings {
  * - small_defect: defects below two wavelengths, or below a hundredth of a pixel
  * - wavelength: beams of a flying spot scanner, or lasers as the only light, at another wavelength
  *   than the materials' indices
- * - head: laser triangulation heads whose scan would be refused
+ * - head: laser triangulation heads whose scan would be refused, or whose heights would be none
  * - growth: silhouettes before a backlight, with the growth of their edges (check/growth.h)
  * - extras: extras of the scene's files, which are ignored
  *

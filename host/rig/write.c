@@ -55,12 +55,19 @@ static const char *light_name(const mcv_rig_design *r) {
 /* Does the camera of a triangulation head look from below its laser? */
 static bool is_below(const mcv_rig_design *r) { return r->elevation > 0; }
 
+/* Heights are z: of the part where the light runs along its z, else of the laser. */
+static bool has_heights(const mcv_rig_design *r) {
+    const double degree = M_PI / 180;
+    return fabs(cos(r->elevation * degree) * cos(r->azimuth * degree)) > M_SQRT1_2;
+}
+
 /* What `mcvisi scan` needs: a few profiles, as far apart as their points. */
 static void print_head(FILE *out, const mcv_rig_design *r) {
-    fprintf(out,
-            ",\n         \"laser\": \"laser\", \"frame\": \"part\", \"profiles\": 10, \"feed\": "
-            "\"%s\", \"exposeTo\": 0.8",
-            mcv_rig_length(r->pixel / r->magnification, CHOSEN));
+    fprintf(
+        out,
+        ",\n         \"laser\": \"laser\", %s\"profiles\": 10, \"feed\": \"%s\", \"exposeTo\": 0.8",
+        has_heights(r) ? "\"frame\": \"part\", " : "",
+        mcv_rig_length(r->pixel / r->magnification, CHOSEN));
 }
 
 static void print_sensor(FILE *out, const mcv_rig_design *r) {

@@ -104,6 +104,11 @@ static void test_new_head(void **state) {
     json_t *told = program_json("scan rig.gltf " QUICK "--speckle off --json -o new.csv");
     assert_true(number_at(told, "profiles") == 10 && number_at(told, "seen") > 100);
     json_decref(told);
+    /* Seen from above its y, the part's z is no height. */
+    program_well("new laser plate.gltf --resolution 32x24 --pixel-size 100um --f-number 2 "
+                 "--view 0,1,0.2 -o above.gltf");
+    assert_null(strstr(read_whole("above.gltf"), "\"frame\""));
+    assert_non_null(strstr(read_whole("rig.gltf"), "\"frame\": \"part\""));
 }
 
 /* `check` tells the head's own type and keys, and for what its scan would be refused. */
@@ -119,6 +124,11 @@ static void test_check(void **state) {
         {"filter=669nm", NULL}, /* above half of the maximum */
         {"profiles=1 --set sensors/camera/feed=0", NULL},
     };
+    /* The plate's height is its y. */
+    program_well("check head.gltf");
+    assert_non_null(strstr(said, "heights are z of node \"plate\", which runs across the light"));
+    program_well("check head.gltf --set sensors/camera/frame=laser");
+    assert_null(strstr(said, "heights are z"));
     program_well("check head.gltf");
     assert_non_null(strstr(said, "camera: laserTriangulation"));
     assert_non_null(strstr(said, "frame               plate"));
