@@ -306,6 +306,9 @@ static void decode(source *s) {
             !find_chunk(s->bytes, s->size, NULL))
             png_error(png, "it ends early");
         png_read_info(png, info);
+        /* As coded: colours of a palette and bits of a pixel become several bytes. */
+        const size_t coded = png_get_rowbytes(png, info) * png_get_image_height(png, info);
+        if (coded / LARGEST_GAIN > s->size) png_error(png, "it ends early");
         s->description = description_of(png, info);
         png_set_expand(png);
         png_set_swap(png);
@@ -316,7 +319,6 @@ static void decode(source *s) {
         s->channels = png_get_channels(png, info);
         s->bits = png_get_bit_depth(png, info);
         const size_t row = png_get_rowbytes(png, info);
-        if (row * s->height / LARGEST_GAIN > s->size) png_error(png, "it ends early");
         s->values = malloc(row * s->height);
         if (!s->values) png_error(png, "no memory for its pixels");
         const int passes = png_get_interlace_type(png, info) == PNG_INTERLACE_NONE ? 1 : 7;

@@ -238,6 +238,48 @@ static void test_small_files_take_little_memory(void **state) {
     assert_int_equal(unlink(PATH), 0);
 }
 
+/* A white square, as libpng writes it. */
+static void write_white(uint32_t side, int bits, int type) {
+    static const png_color white[2] = {{255, 255, 255}, {255, 255, 255}};
+    static png_byte row[1024];
+    FILE *file = fopen(PATH, "wb");
+    png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, NULL, NULL, NULL);
+    png_infop info = png ? png_create_info_struct(png) : NULL;
+    assert_true(file && info);
+    memset(row, type == PNG_COLOR_TYPE_PALETTE ? 0 : 255, sizeof row);
+    png_init_io(png, file);
+    png_set_IHDR(png, info, side, side, bits, type, PNG_INTERLACE_NONE,
+                 PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    png_set_compression_level(png, 9);
+    if (type == PNG_COLOR_TYPE_PALETTE) png_set_PLTE(png, info, white, 2);
+    png_write_info(png, info);
+    for (uint32_t y = 0; y < side; ++y) png_write_row(png, row);
+    png_write_end(png, NULL);
+    png_destroy_write_struct(&png, &info);
+    assert_int_equal(fclose(file), 0);
+}
+
+/* Masks of one bit and of a palette, whose files hold less than a 1032nd of their grey values. */
+static void test_few_bits_are_read(void **state) {
+    (void)state;
+    static const int kinds[][2] = {{1, PNG_COLOR_TYPE_GRAY},
+                                   {1, PNG_COLOR_TYPE_PALETTE},
+                                   {8, PNG_COLOR_TYPE_PALETTE},
+                                   {8, PNG_COLOR_TYPE_GRAY}};
+    enum { SIDE = 1024 };
+    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; ++i) {
+        mcv_image image = {0};
+        mcv_error error = {""};
+        write_white(SIDE, kinds[i][0], kinds[i][1]);
+        if (mcv_png_read_values(PATH, &image, &error) != MCV_OK)
+            fail_msg("%d bits, type %d: %s", kinds[i][0], kinds[i][1], error.text);
+        assert_true(image.width == SIDE && image.height == SIDE);
+        assert_true(image.pixels[0] == 255 && image.pixels[SIDE * SIDE - 1] == 255);
+        mcv_image_free(&image);
+    }
+    assert_int_equal(unlink(PATH), 0);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_early_preview_is_enlarged),
@@ -247,6 +289,7 @@ int main(void) {
         cmocka_unit_test(test_grey_values_stay_as_they_are),
         cmocka_unit_test(test_failures_leave_no_file),
         cmocka_unit_test(test_small_files_take_little_memory),
+        cmocka_unit_test(test_few_bits_are_read),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
