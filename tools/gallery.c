@@ -483,8 +483,8 @@ static const entry entries[] = {
     {"laser-aperture",
      "Speckle with a narrow and a wide aperture",
      "The grains of a laser's speckle are as large as the lens's diffraction makes them: a wide "
-     "aperture has small ones, of which a pixel's light averages more. The centre of the line on "
-     "plastic is known better.",
+     "aperture has small ones, of which a pixel's light averages more. The centre of the line is "
+     "known better. Both take the light as polarised.",
      {{"wrong: f/22", LASER_HEAD " --set sensors/camera/fNumber=22" SPECKLE, NULL},
       {"right: f/8", LASER_HEAD SPECKLE, NULL}},
      say_scatter},
