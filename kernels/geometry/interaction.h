@@ -70,10 +70,8 @@ MCV_FUNCTION uint mcv_hit_instance(mcv_world world, mcv_slot slot) {
 }
 
 MCV_LOOP_FUNCTION mcv_interaction mcv_make_interaction(mcv_world world, mcv_slot slot) {
-    const uint primitive = MCV_WORD(slot, hit, 3);
-    const float u = MCV_LOAD(slot, hit, 1);
-    const float v = MCV_LOAD(slot, hit, 2);
 #if MCV_TILE
+    const mcv_hit hit = mcv_load_hit(slot);
     mcv_interaction interaction;
     mcv_surface *surface = &interaction.surface;
     interaction.direction = MCV_LOAD_3(slot, direction);
@@ -86,14 +84,14 @@ MCV_LOOP_FUNCTION mcv_interaction mcv_make_interaction(mcv_world world, mcv_slot
     surface->normal = surface->face;
     if (MCV_WITH_NORMALS) surface->normal = MCV_LOAD_3(slot, own_normal);
     surface->area = MCV_LOAD(slot, area, 0);
-    surface->primitive = primitive;
-    if (mcv_is_exact(primitive))
+    surface->primitive = hit.primitive;
+    if (mcv_is_exact(hit.primitive))
         surface->corners.x = surface->corners.y = surface->corners.z = 0u;
     else
-        surface->corners = mcv_triangle_corners(world, primitive);
+        surface->corners = mcv_triangle_corners(world, hit.primitive);
     surface->instance = surface->corners.w = MCV_WORD(slot, instance, 0);
-    surface->u = u;
-    surface->v = v;
+    surface->u = hit.u;
+    surface->v = hit.v;
 #if MCV_WITH_GLOSSY
     interaction.glossy = slot.glossy_interactions + slot.index;
     interaction.glossy_known = &MCV_WORD(slot, glossy_known, 0);

@@ -57,8 +57,8 @@ MCV_LOOP_FUNCTION mcv_color mcv_full_radiance(mcv_world world, mcv_surface surfa
     (void)surface;
 #if MCV_WITH_TEXTURE
     /* An image whose pixels are told apart is white (host/transport/white.h). */
-    const int white = MCV_WITH_RECORDS && e->emitter_element_width > 0u;
-    if (e->texture != MCV_NONE && !white)
+    const int white = MCV_WITH_RECORDS ? e->emitter_element_width > 0u : 0;
+    if ((e->texture != MCV_NONE) & !white)
         radiance = mcv_tint(radiance, mcv_texture_at(world, surface, e->texture));
 #endif
 #if MCV_WITH_SCREEN
