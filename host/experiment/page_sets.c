@@ -48,9 +48,16 @@ static void put_option(FILE *out, const char *name, const json_t *value) {
     put_word(out, json_is_string(value) ? json_string_value(value) : words);
 }
 
-/* Options that end a render early: the samples that a set has taken stand in their place. */
-static bool is_limit(const char *name) {
-    return strcmp(name, "spp") == 0 || strcmp(name, "time") == 0 || strcmp(name, "error") == 0;
+/* Options that end a render early: the samples that a set has taken stand in their place. Of light
+ * paths, see put_sampling. */
+static bool is_replaced(const char *name) {
+    return strcmp(name, "spp") == 0 || strcmp(name, "time") == 0 || strcmp(name, "error") == 0 ||
+           strcmp(name, "light-paths") == 0;
+}
+
+/* What a render decides by a pilot, and a sweep does not. */
+static void put_sampling(FILE *out, const mcv_experiment *e) {
+    fprintf(out, " --adaptive off --light-paths %s", e->render.no_light_paths ? "off" : "on");
 }
 
 /* What the render of a set shares with all others; seeds: not the seed. */
@@ -59,7 +66,7 @@ static void put_shared(FILE *out, const mcv_experiment *e, bool seeds) {
     json_t *value;
     json_object_foreach(e->settings, name, value) {
         const bool own_seed = seeds && strcmp(name, "seed") == 0;
-        if (!is_limit(name) && !own_seed && mcv_option_find(MCV_VERB_RENDER, name, strlen(name)))
+        if (!is_replaced(name) && !own_seed && mcv_option_find(MCV_VERB_RENDER, name, strlen(name)))
             put_option(out, name, value);
     }
 }
@@ -92,6 +99,7 @@ static void put_command(FILE *out, const mcv_page *page, size_t row) {
         fputs(" --set ", out);
         put_word(out, text);
     }
+    put_sampling(out, e);
     if (isfinite(samples)) fprintf(out, " --spp %.0f", samples);
     if (mcv_camera_wanted(&e->measuring.camera)) fprintf(out, " --camera set-%05zu.tif", set);
     fprintf(out, " -o set-%05zu.exr</pre>", set);

@@ -53,6 +53,33 @@ static void test_is_what_measure_says(void **state) {
     assert_null(strstr(read_whole("s-sweep.html"), "://")); /* needs nothing else */
 }
 
+/* The page has a command for each set, which renders the kept picture again, to the bit: also where
+ * a render by itself would give noisy pixels more samples. */
+static void test_commands_of_the_page(void **state) {
+    (void)state;
+    program_well("sweep s.gltf --vary emitters/panel/radiance=1,2 --metric mean --spp 256 --images "
+                 "kept --resolution 94x62 --sampler random");
+    const char *at = strstr(read_whole("s-sweep.html"), "<pre>mcvisi ");
+    assert_non_null(at);
+    char line[512];
+    at += strlen("<pre>mcvisi ");
+    const char *end = strstr(at, "</pre>");
+    assert_true(end && (size_t)(end - at) < sizeof line);
+    snprintf(line, sizeof line, "%.*s", (int)(end - at), at);
+    program_well(line);
+    json_t *report = program_json("measure set-00000.exr --minus kept/set-00000.exr --json");
+    const json_t *region = json_array_get(json_object_get(report, "regions"), 0);
+    const double smallest = json_number_value(json_object_get(region, "smallest")),
+                 largest = json_number_value(json_object_get(region, "largest"));
+    if (smallest != 0 || largest != 0) fail_msg("%s: differs by %g to %g", line, smallest, largest);
+    json_decref(report);
+    /* The picture has its noise: at the panel's border. */
+    report = program_json("render s.gltf --set emitters/panel/radiance=1 --spp 256 --resolution "
+                          "94x62 --sampler random --json -o own.exr");
+    assert_true(json_is_true(json_object_get(report, "adaptive")));
+    json_decref(report);
+}
+
 static void test_common_random_numbers(void **state) {
     double a[9], b[9];
     (void)state;
@@ -338,6 +365,7 @@ static void test_shipped_experiments(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         FRESH(test_is_what_measure_says, scene),
+        FRESH(test_commands_of_the_page, scene),
         FRESH(test_common_random_numbers, scene),
         FRESH(test_designs_ties_and_where, scene),
         FRESH(test_until, scene),
