@@ -123,9 +123,9 @@ static bool match_others(matching *m) {
 
 bool mcv_match_triangles(const mcv_bvh_base *base, const float *positions, const uint32_t *indices,
                          uint32_t triangle_count, mcv_matches *matches) {
-    matching m = {base, positions, indices, triangle_count, matches, NULL, 0};
     *matches = (mcv_matches){malloc((size_t)base->triangle_count * sizeof *matches->numbers + 1),
                              calloc((size_t)triangle_count + 1, sizeof *matches->found), 0};
+    matching m = {base, positions, indices, triangle_count, matches, NULL, 0};
     if (!matches->numbers || !matches->found) return false;
     memset(matches->numbers, 0xff, base->triangle_count * sizeof *matches->numbers);
     match_in_order(&m);
