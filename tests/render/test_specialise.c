@@ -30,6 +30,7 @@ static const struct {
     const char *path;
     uint64_t features;
 } element_headers[] = {
+    {"sensors/laser_triangulation.h", 0}, /* a thin lens to the device */
     {"emitters/parallel.h", MCV_FEATURE_BIT(PARALLEL)},
     {"emitters/telecentric_projector.h", 0},
     {"emitters/light_field.h", MCV_FEATURE_BIT(LIGHT_FIELD)},
