@@ -1312,11 +1312,13 @@ static bool compare_says_different(const char *line, const char *pixel_test) {
 static void test_compare(void **state) {
     (void)state;
     write_scene("s.gltf", pinhole, panel_noisy);
-    run_well("render s.gltf --spp 1024 --replicates 16 -o a.exr --parts replicates");
-    run_well("render s.gltf --spp 1024 --replicates 16 -o b.exr --parts replicates --seed 1");
-    run_well("render s.gltf --spp 1024 --replicates 16 -o c.exr --parts replicates --seed 2 --set "
+    run_well("render s.gltf --spp 1024 --adaptive off --replicates 16 -o a.exr --parts replicates");
+    run_well("render s.gltf --spp 1024 --adaptive off --replicates 16 -o b.exr --parts replicates "
+             "--seed 1");
+    run_well("render s.gltf --spp 1024 --adaptive off --replicates 16 -o c.exr --parts replicates "
+             "--seed 2 --set "
              "emitters/panel/radiance=2.625");
-    run_well("render s.gltf --spp 1024 --replicates 16 -o plain.exr --seed 3");
+    run_well("render s.gltf --spp 1024 --adaptive off --replicates 16 -o plain.exr --seed 3");
     mcv_exr exr = read_exr("a.exr");
     assert_int_equal(exr.part_count, 18);
     assert_string_equal(exr.parts[17].name, "replicate 15");
