@@ -297,8 +297,9 @@ static void test_page(void **state) {
     page_has("2001-09-09 · mcvisi " MCV_VERSION " · 3 of 3 sets");
     page_has("&lt;/script&gt;&lt;img src=x onerror=alert(1)&gt;");
     page_has("Which &amp; &quot;why&quot;?");
-    page_has("mcvisi render s.gltf --seed 5 --set 'sensors/cam/name=it'\\''s' --set "
-             "sensors/cam/imageDistance=1.25 --spp 8 -o set-00001.exr");
+    page_has(
+        "mcvisi render s.gltf --seed 5 --set 'sensors/cam/name=it'\\''s' --set "
+        "sensors/cam/imageDistance=1.25 --adaptive off --light-paths on --spp 8 -o set-00001.exr");
     page_has("The rig, as in set 0");
     page_has("mirrors"); /* the warning of the scene */
     assert_int_equal(system("cp t.html before.html"), 0);
