@@ -107,11 +107,12 @@ static mcv_result plan_bound(mcv_sweep *s, mcv_error *error) {
                         "--bound %s: is against the noise of a camera: give its exposure, as by "
                         "--expose-to 0.8",
                         item);
-    if (e->render.replicates < 2 || e->measuring.until.count || e->measuring.in_gradient)
+    if (e->render.replicates < 2)
         return mcv_fail(error, MCV_USAGE,
-                        "--bound %s: takes two whole renders with --replicates 2 or more: leave "
-                        "out --until and --in",
-                        item);
+                        "--bound %s: needs uncertainties: give --replicates 2 or more", item);
+    if (e->measuring.until.count || e->measuring.in_gradient)
+        return mcv_fail(error, MCV_USAGE,
+                        "--bound %s: takes two whole renders: leave out --until and --in", item);
     return mcv_bound_read(item, &s->plan, e->document, e->set, &s->measurement.bound, error);
 }
 

@@ -64,8 +64,12 @@ void mcv_check_report_parameters(mcv_report *report, mcv_param_table table, cons
         }
         case MCV_PARAM_curve: {
             const mcv_curve *curve = field;
-            if (curve->count > 0)
-                mcv_report_number(report, p->key, "", curve->value[curve->count - 1]);
+            char ends[96];
+            if (curve->count == 0) break;
+            const uint32_t last = curve->count - 1;
+            snprintf(ends, sizeof ends, "%u pairs, %g on the axis to %g at %g m", curve->count,
+                     curve->value[0], curve->value[last], curve->at[last]);
+            mcv_report_text(report, p->key, ends);
             break;
         }
         case MCV_PARAM_text:

@@ -95,7 +95,9 @@ static void test_bad_input(void **state) {
     program_fails(SWEEP "bound --expose-to 0.5 --bound nodes/plaet/shiftZ=1mm", 3, "plaet");
     program_fails(SWEEP "bound --expose-to 0.5 --bound sensors/cam/type=1", 3, "is no number");
     program_fails(SWEEP "bound --expose-to 0.5 --bound nodes/plate/shiftZ=1mm --until bound=1", 2,
-                  "--until");
+                  "leave out --until");
+    program_fails(SWEEP "bound --expose-to 0.5 --bound nodes/plate/shiftZ=1mm --replicates 1", 2,
+                  "give --replicates 2 or more");
     program_fails(SWEEP "all.bound --expose-to 0.5 --bound nodes/plate/shiftZ=1mm", 2, "\"all\"");
     program_fails("sweep s.gltf --vary sensors/cam/aperture=half,disc --metric bound --expose-to "
                   "0.5 --bound sensors/cam/aperture=1",

@@ -73,6 +73,13 @@ static void test_the_table_is_the_fall_off(void **state) {
     must_fall("falls-k.exr", "even-k.exr");
 }
 
+static void test_check_shows_the_table(void **state) {
+    (void)state;
+    write_file("falls.gltf", SCENE(IRRADIANCE TABLE));
+    program_well("check falls.gltf");
+    if (!strstr(said, "3 pairs, 1 on the axis to 0.6 at 0.001 m")) fail_msg("%s", said);
+}
+
 static void must_refuse(const char *scene, const char *why) {
     write_file("bad.gltf", scene);
     program_fails("check bad.gltf", 3, why);
@@ -94,6 +101,7 @@ static void test_bad_input(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(test_the_table_is_the_fall_off),
+                                       cmocka_unit_test(test_check_shows_the_table),
                                        cmocka_unit_test(test_bad_input)};
     return cmocka_run_group_tests(tests, enter_folder, leave_folder);
 }
