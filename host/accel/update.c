@@ -151,7 +151,7 @@ static uint32_t nearest_child(const mcv_node *node, bool leaf, float bounds[3][2
         if (((node->child[k] & MCV_CHILD_LEAF) != 0) != leaf) continue;
         child_bounds(node, k, own);
         const float grown = area(own, bounds) - area(own, own);
-        if (!(grown < *growth)) continue;
+        if (nearest < MCV_BVH_WIDTH && !(grown < *growth)) continue; /* surfaces may overflow */
         *growth = grown;
         nearest = k;
     }
