@@ -12,14 +12,14 @@ enum {
     SHORT_RENDER = 1 << 20,   /* paths that need no picture before: half a second of a CPU */
 };
 
+/* How many columns or rows the picture has for those of the film. */
+static uint32_t coarse(uint32_t side, uint32_t stride) { return (side + stride - 1) / stride; }
+
 /* The columns and rows of the film in one of the picture, before a render of so many paths. */
 static uint32_t stride_for(const mcv_film *film, double paths) {
     const double most = fmin(PICTURE_PIXELS, paths / PATHS_FOR_PIXEL);
     uint32_t stride = 1;
-    while ((double)((film->width + stride - 1) / stride) *
-               (double)((film->height + stride - 1) / stride) >
-           most)
-        ++stride;
+    while ((double)coarse(film->width, stride) * coarse(film->height, stride) > most) ++stride;
     return stride;
 }
 
@@ -117,8 +117,8 @@ mcv_result mcv_show_early(mcv_renderer *r) {
     bool stop = false;
     if (!o->picture || paths <= SHORT_RENDER) return MCV_OK;
     const uint32_t stride = stride_for(film, paths);
-    MCV_TRY(mcv_image_new(&picture, (film->width + stride - 1) / stride,
-                          (film->height + stride - 1) / stride, film->channels, r->error));
+    MCV_TRY(mcv_image_new(&picture, coarse(film->width, stride), coarse(film->height, stride),
+                          film->channels, r->error));
     const mcv_result result = render_picture(r, &picture, stride, &stop);
     if (result == MCV_OK && !stop) o->picture(o->user, &picture, stride);
     mcv_image_free(&picture);

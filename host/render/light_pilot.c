@@ -168,7 +168,7 @@ static mcv_result render_pilot(mcv_renderer *r, pilot_look *look, bool *stop) {
                          r->error));
     const size_t bytes = 8 * mcv_film_values(&pilot);
     uint64_t *splats = malloc(bytes);
-    double *with_light = malloc(bytes);
+    double *with_light = calloc(1, bytes);
     mcv_result result = MCV_OK;
     if (!splats || !with_light)
         result = mcv_fail(r->error, MCV_FAILED, "no memory for the pilot's light paths");

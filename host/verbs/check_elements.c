@@ -17,6 +17,22 @@
 #include <stdlib.h>
 #include <string.h>
 
+static void report_mask(mcv_report *report, const char *key, const mcv_mask *mask) {
+    char cells[32];
+    if (mask->side == 0) return;
+    snprintf(cells, sizeof cells, "%u x %u", mask->side, mask->side);
+    mcv_report_text(report, key, cells);
+}
+
+static void report_curve(mcv_report *report, const char *key, const mcv_curve *curve) {
+    char ends[96];
+    if (curve->count == 0) return;
+    const uint32_t last = curve->count - 1;
+    snprintf(ends, sizeof ends, "%u pairs, %g on the axis to %g at %g m", curve->count,
+             curve->value[0], curve->value[last], curve->at[last]);
+    mcv_report_text(report, key, ends);
+}
+
 void mcv_check_report_parameters(mcv_report *report, mcv_param_table table, const void *params) {
     for (size_t i = 0; i < table.count; ++i) {
         const mcv_param *p = table.params + i;
@@ -55,23 +71,12 @@ void mcv_check_report_parameters(mcv_report *report, mcv_param_table table, cons
         case MCV_PARAM_image:
         case MCV_PARAM_pattern: /* of emitters only, which report_emitter describes */
             break;
-        case MCV_PARAM_mask: {
-            char cells[32];
-            const unsigned side = *(const uint32_t *)field;
-            snprintf(cells, sizeof cells, "%u x %u", side, side);
-            if (side > 0) mcv_report_text(report, p->key, cells);
+        case MCV_PARAM_mask:
+            report_mask(report, p->key, field);
             break;
-        }
-        case MCV_PARAM_curve: {
-            const mcv_curve *curve = field;
-            char ends[96];
-            if (curve->count == 0) break;
-            const uint32_t last = curve->count - 1;
-            snprintf(ends, sizeof ends, "%u pairs, %g on the axis to %g at %g m", curve->count,
-                     curve->value[0], curve->value[last], curve->at[last]);
-            mcv_report_text(report, p->key, ends);
+        case MCV_PARAM_curve:
+            report_curve(report, p->key, field);
             break;
-        }
         case MCV_PARAM_text:
             mcv_report_text(report, p->key, field);
             break;

@@ -602,7 +602,7 @@ static void add_facetted_ball(mcv_scene *scene, double radius, uint32_t material
 
 static mcv_scene *rough_scene(int light) {
     mcv_scene *scene = mcv_scene_new("rough");
-    const double s = sqrt(0.5), root = sqrt(0.1);
+    const double s = sqrt(0.5);
     mcv_material ground = {.texture = MCV_NONE, .surface_texture = MCV_NONE}, satin = ground,
                  brushed = ground;
     mcv_params_set_defaults(mcv_material_table(MCV_MATERIAL_DIELECTRIC), &ground.as);
@@ -625,6 +625,7 @@ static mcv_scene *rough_scene(int light) {
     else if (WITH_BALL)
         add_facetted_ball(scene, 0.005, glass, ball.to_world);
     if (WITH_PLATES) {
+        const double root = sqrt(0.1);
         add_rectangle(scene, 0.012, 0.012, add_material(scene, MCV_MATERIAL_CONDUCTOR, &satin),
                       looking((const double[]){0.012, 0.004, 0.01}, (const double[]){-s, 0, s},
                               (const double[]){0, 1, 0}));

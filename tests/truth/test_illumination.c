@@ -38,8 +38,8 @@ static double share_of(uint32_t column, uint32_t row) {
 /* Both renders have the same samples. The table falls by at most 0.06 over a pixel, of 64 samples:
  * five times 0.06/√12/√64, and float's rounding. */
 static void must_fall(const char *with, const char *without) {
-    mcv_exr a, b;
-    mcv_error error;
+    mcv_exr a = {0}, b = {0};
+    mcv_error error = {""};
     double worst = 0;
     if (mcv_exr_read(with, &a, &error) != MCV_OK || mcv_exr_read(without, &b, &error) != MCV_OK)
         fail_msg("%s", error.text);
