@@ -239,7 +239,8 @@ enum {
       "give noisier pixels more samples, and the others fewer: on: if a pilot says that it " \
       "takes fewer samples; auto: if it wins even where noisy pixels take longer; --spp then " \
       "limits the mean; the part `samples` of the OpenEXR file has the number of each pixel; " \
-      "auto is off with --samples and for the reference renderer") \
+      "auto is off with --samples, for the reference renderer, and for sensors of directions, " \
+      "as light field cameras") \
     X(choice, sampler, "sampler", 0, "sobol|random", MCV_IN_PROGRAMS, "sobol", 0, 0, \
       "Owen-scrambled Sobol' points, or independent random points") \
     X(choice, split, "split", 0, "on|off", MCV_IN_PROGRAMS, "on", 0, 0, \

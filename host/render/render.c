@@ -228,16 +228,24 @@ static mcv_result render_rounds(mcv_renderer *r) {
     }
 }
 
+/* Do pixels tell directions? Their evaluation compares neighbours, and where few samples were
+ * enough for the whole picture their noise would look like a defect. */
+static bool tells_directions(uint32_t sensor_type) {
+    return sensor_type == MCV_SENSOR_LIGHT_FIELD || sensor_type == MCV_SENSOR_FLYING_SPOT;
+}
+
 /* Whether samples may be given to noisy pixels: options that ask for it in any case have been
  * checked. */
-static bool may_adapt(const mcv_render_options *o) {
+static bool may_adapt(const mcv_renderer *r) {
+    const mcv_render_options *o = r->options;
+    if (o->adaptive == MCV_ADAPTIVE_AUTO && tells_directions(r->key.sensor_type)) return false;
     return o->adaptive && o->first == 0 && o->last <= MCV_MOST_ADAPTIVE && !o->records;
 }
 
 /* What precedes the rounds. */
 static mcv_result begin_samples(mcv_renderer *r) {
     r->part = (mcv_round){0};
-    r->decided = !may_adapt(r->options);
+    r->decided = !may_adapt(r);
     r->sampling_begun = mcv_seconds();
     if (r->options->resume) return mcv_resume(r);
     r->part.first = r->options->first;

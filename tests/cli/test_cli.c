@@ -531,6 +531,18 @@ static void test_precision(void **state) {
 
 /* The field of view of a light field camera is M macro pixels wide: with other macro pixels it must
  * see the panel alike. */
+/* Light field images are judged by their neighbours: all have the same noise unless it is asked
+ * otherwise. */
+static void test_light_fields_are_uniform(void **state) {
+    (void)state;
+#define QUICK \
+    "render " MCV_SOURCE_DIR "/scenes/light-field.gltf --spp 64 --resolution 16x16 -o s.exr "
+    run_well(QUICK);
+    assert_non_null(strstr(out, "64 samples each"));
+    run_well(QUICK "--adaptive");
+    assert_non_null(strstr(out, "samples on the average"));
+}
+
 static void test_light_field_resolution(void **state) {
     (void)state;
     write_scene("s.gltf",
@@ -1708,6 +1720,7 @@ int main(void) {
         TEST(test_render_writes_pictures),
         TEST(test_reference_device),
         TEST(test_precision),
+        TEST(test_light_fields_are_uniform),
         TEST(test_light_field_resolution),
         TEST(test_several_sensors),
         TEST(test_json),
