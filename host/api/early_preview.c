@@ -20,9 +20,11 @@ enum {
     MOST_PIXELS = 2 << 20,    /* of a preview: a larger film has a smaller picture */
 };
 
-/* Nanoseconds for which kernels compile before the reference begins: of those of a cache
- * mcv_early_progress is told. */
-static const long PATIENCE = 200 * 1000 * 1000;
+/* Seconds of the compiling thread's processor before the reference begins: kernels of a cache,
+ * which take a third of it, need no draft, however busy the machine is. */
+static const double PATIENCE = 0.2;
+/* As much by the clock, for drivers that compile elsewhere. */
+static const double MOST_PATIENCE = 1;
 
 static uint32_t least(uint32_t a, uint32_t b) { return a < b ? a : b; }
 
@@ -58,45 +60,67 @@ static void write_preview(mcv_early *early, const mcv_image *coarse, uint32_t st
 
 /* --- the reference's picture --- */
 
-/* An mcv_pass_told of the draft. */
-static bool draft_goes_on(void *user, double fraction, double seconds, double error) {
-    mcv_early *early = user;
-    (void)fraction;
-    (void)seconds;
-    (void)error;
-    pthread_mutex_lock(&early->lock);
-    const bool goes_on = !early->late;
-    pthread_mutex_unlock(&early->lock);
-    return goes_on;
-}
-
-/* True if the device renders soon. */
 static bool device_is_ready(mcv_early *early) {
-    struct timespec until;
-    clock_gettime(CLOCK_REALTIME, &until);
-    until.tv_nsec += PATIENCE;
-    until.tv_sec += until.tv_nsec / 1000000000;
-    until.tv_nsec %= 1000000000;
     pthread_mutex_lock(&early->lock);
-    int code = 0;
-    while (!early->late && code == 0)
-        code = pthread_cond_timedwait(&early->changed, &early->lock, &until);
     const bool ready = early->late;
     pthread_mutex_unlock(&early->lock);
     return ready;
 }
 
+static double compiler_seconds(const mcv_early *early) {
+    struct timespec t;
+    if (!early->has_clock || clock_gettime(early->compiler, &t) != 0) return NAN;
+    return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
+}
+
+/* False if the device renders before kernels have taken long. */
+static bool compiles_for_long(mcv_early *early) {
+    const struct timespec moment = {.tv_nsec = 10 * 1000 * 1000};
+    const double begun = mcv_seconds();
+    while (!device_is_ready(early)) {
+        if (compiler_seconds(early) - early->compiler_begun >= PATIENCE ||
+            mcv_seconds() - begun >= MOST_PATIENCE)
+            return true;
+        nanosleep(&moment, NULL);
+    }
+    return false;
+}
+
+/* Writes what the draft's film has, unless the device renders. */
+static void show_draft(mcv_early *early) {
+    mcv_image picture;
+    mcv_error ignored;
+    if (mcv_film_develop(&early->draft, &picture, NULL, &ignored) != MCV_OK) return;
+    pthread_mutex_lock(&early->lock);
+    if (!early->late)
+        write_preview(early, &picture, early->draft_stride,
+                      "coarse, by the reference renderer while kernels compile");
+    pthread_mutex_unlock(&early->lock);
+    mcv_image_free(&picture);
+    early->draft_shown = early->draft.samples;
+}
+
+/* An mcv_pass_told of the draft: each sample of its pixels is shown. */
+static bool draft_goes_on(void *user, double fraction, double seconds, double error) {
+    mcv_early *early = user;
+    (void)fraction;
+    (void)seconds;
+    (void)error;
+    if (device_is_ready(early)) return false;
+    if (early->draft.samples > early->draft_shown) show_draft(early);
+    return true;
+}
+
 static void make_draft(mcv_early *early) {
     mcv_render_options options = mcv_render_defaults();
     uint32_t width, height, stride = 1;
-    mcv_film film;
-    mcv_image picture;
     mcv_error ignored;
-    if (device_is_ready(early)) return;
+    if (!compiles_for_long(early)) return;
     mcv_sensor_film_size(early->scene->sensors + early->sensor, &width, &height);
     while ((uint64_t)((width + stride - 1) / stride) * ((height + stride - 1) / stride) >
            DRAFT_PIXELS)
         ++stride;
+    early->draft_stride = stride;
     options.replicates = 1;
     options.last = DRAFT_SAMPLES;
     options.seed = early->options->seed;
@@ -104,18 +128,9 @@ static void make_draft(mcv_early *early) {
     options.threads = 1; /* another one compiles */
     options.progress = draft_goes_on;
     options.user = early;
-    if (mcv_reference_draft(early->scene, early->sensor, &options, stride, &film, &ignored) !=
-        MCV_OK)
-        return;
-    if (film.samples > 0 && mcv_film_develop(&film, &picture, NULL, &ignored) == MCV_OK) {
-        pthread_mutex_lock(&early->lock);
-        if (!early->late)
-            write_preview(early, &picture, stride,
-                          "coarse, by the reference renderer while kernels compile");
-        pthread_mutex_unlock(&early->lock);
-        mcv_image_free(&picture);
-    }
-    mcv_film_free(&film);
+    if (mcv_reference_draft(early->scene, early->sensor, &options, stride, &early->draft,
+                            &ignored) == MCV_OK)
+        mcv_film_free(&early->draft);
 }
 
 /* A number in the header has the point of the C locale in this thread, too. */
@@ -131,12 +146,12 @@ static void *draft_in_thread(void *user) {
 bool mcv_early_progress(mcv_early *early, double fraction) {
     const bool compiles = isnan(fraction);
     pthread_mutex_lock(&early->lock);
-    if (compiles && !early->has_thread && early->scene->triangle_count <= MOST_TRIANGLES)
+    if (compiles && !early->has_thread && early->scene->triangle_count <= MOST_TRIANGLES) {
+        early->has_clock = pthread_getcpuclockid(pthread_self(), &early->compiler) == 0;
+        early->compiler_begun = compiler_seconds(early);
         early->has_thread = pthread_create(&early->thread, NULL, draft_in_thread, early) == 0;
-    if (!compiles && !early->late) {
-        early->late = true;
-        pthread_cond_signal(&early->changed);
     }
+    if (!compiles) early->late = true;
     const bool drafts = compiles && early->has_thread;
     pthread_mutex_unlock(&early->lock);
     return drafts;
@@ -159,13 +174,11 @@ void mcv_early_begin(mcv_early *early, const mcv_scene *scene, uint32_t sensor, 
                          .options = options,
                          .begun = mcv_seconds()};
     pthread_mutex_init(&early->lock, NULL);
-    pthread_cond_init(&early->changed, NULL);
 }
 
 void mcv_early_end(mcv_early *early) {
     pthread_mutex_lock(&early->lock);
     early->late = true;
-    pthread_cond_signal(&early->changed);
     pthread_mutex_unlock(&early->lock);
     if (early->has_thread) pthread_join(early->thread, NULL);
     early->has_thread = false;
@@ -182,7 +195,6 @@ void mcv_early_withdraw(mcv_early *early) {
 }
 
 void mcv_early_free(mcv_early *early) {
-    pthread_cond_destroy(&early->changed);
     pthread_mutex_destroy(&early->lock);
     free(early->older);
     early->older = NULL;

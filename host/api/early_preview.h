@@ -19,11 +19,16 @@ typedef struct mcv_early {
     const char *path, *unit;
     const mcv_render_options *options; /* of the render */
     double begun;
-    pthread_t thread;
+    clockid_t compiler; /* of the processor time of the thread that compiles … */
+    bool has_clock;
+    double compiler_begun; /* … and what it said when that began */
+    pthread_t thread;      /* makes the draft, and alone reads the three lines below it */
     bool has_thread;
+    mcv_film draft;
+    uint32_t draft_stride;
+    uint64_t draft_shown; /* its samples in the last preview */
     pthread_mutex_t lock; /* of all that follows */
-    pthread_cond_t changed;
-    double seconds; /* from the begin to the first preview; 0: none so far */
+    double seconds;       /* from the begin to the first preview; 0: none so far */
     bool late;      /* the device renders, or the render has ended: the reference comes too late */
     bool written;   /* a preview lies under the name … */
     uint8_t *older; /* … in place of this file; NULL: there was none */

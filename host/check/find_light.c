@@ -98,6 +98,7 @@ static bool meets_instance(const beam *b, const mcv_scene *scene, uint32_t insta
         double world[3], local[3];
         mcv_scene_vertex(scene, instance, v, world);
         to_beam(b, world, local);
+        if (meets_box(b, local, local)) return true; /* as the box about it would */
         for (int k = 0; k < 3; ++k) {
             lower[k] = fmin(lower[k], local[k]);
             upper[k] = fmax(upper[k], local[k]);

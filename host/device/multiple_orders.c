@@ -88,6 +88,9 @@ static trail choose_trail(const double alpha[2], const double o[3], const double
     return t;
 }
 
+/* Exact, as fmod(x, 1) is, which takes longer. */
+static double fraction(double x) { return x - floor(x); }
+
 double mcv_three_reflections(const double alpha[2], const double o[3], const double i[3],
                              int choices, int left_out) {
     static const double steps[4] = {0.85667488385450, 0.73389185662717, 0.62870672005510,
@@ -97,7 +100,7 @@ double mcv_three_reflections(const double alpha[2], const double o[3], const dou
     for (int choice = 0; choice < 3 * choices; ++choice) {
         const int number = choice / 3 + 1 + left_out;
         double u[4], m1[3];
-        for (int k = 0; k < 4; ++k) u[k] = fmod(0.5 + steps[k] * number, 1);
+        for (int k = 0; k < 4; ++k) u[k] = fraction(0.5 + steps[k] * number);
         const trail t = choose_trail(alpha, o, i, choice % 3, u);
         if (!(t.d1 > 0 && t.d2 > 0 && t.d3 > 0)) continue;
         const double z1 = fmax(fabs(t.w1[2]), 1e-12), z2 = fmax(fabs(t.w2[2]), 1e-12);
