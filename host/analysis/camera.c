@@ -131,8 +131,8 @@ static mcv_quantity level_of_squares(const mcv_image *light, const mcv_image *li
     return (mcv_quantity){mean * level, mean * sqrt(fmax(0, variance))};
 }
 
-mcv_quantity mcv_camera_level(const mcv_image *light, const mcv_image *light_error,
-                              const double electrons_per_unit[3]) {
+static mcv_quantity level_of(const mcv_image *light, const mcv_image *light_error,
+                             const double electrons_per_unit[3]) {
     const size_t plane = (size_t)light->width * light->height;
     double sum = 0, squares = 0, slanted = 0;
     for (size_t i = 0; i < plane * light->channels; ++i) {
@@ -156,6 +156,14 @@ mcv_quantity mcv_camera_level(const mcv_image *light, const mcv_image *light_err
             pow(e * (double)light_error->pixels[i] * (2 * e * (double)light->pixels[i] - level), 2);
     }
     return (mcv_quantity){level, light_error ? sqrt(slanted) / sum : NAN};
+}
+
+mcv_quantity mcv_camera_level(const mcv_image *light, const mcv_image *light_error, double shared,
+                              const double electrons_per_unit[3]) {
+    mcv_quantity level = level_of(light, light_error, electrons_per_unit);
+    /* Of C equal channels the variance of the mean is that of independent ones times this. */
+    level.uncertainty *= sqrt(fmax(0, 1 + shared * (light->channels - 1.0)));
+    return level;
 }
 
 /* --- the pixels --- */

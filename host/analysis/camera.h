@@ -71,11 +71,11 @@ double mcv_camera_electrons_per_irradiance(double exposure_time, double quantum_
  *       lattices is free of their error on average.
  *
  * The uncertainty is that of the render's error, to first order; with few samples the brightest
- * block is uncertain. light_error NULL: the second level, if it exists, with the uncertainty NaN. 0
- * for a dark image. The errors of neighbours must be independent, so the image must not be blurred
- * by a lens before.
+ * block is uncertain. `shared` is the correlation of channels (mcv_film_channel_correlation).
+ * light_error NULL: the second level, if it exists, with the uncertainty NaN. 0 for a dark image.
+ * The errors of neighbours must be independent, so the image must not be blurred by a lens before.
  */
-mcv_quantity mcv_camera_level(const mcv_image *light, const mcv_image *light_error,
+mcv_quantity mcv_camera_level(const mcv_image *light, const mcv_image *light_error, double shared,
                               const double electrons_per_unit[3]);
 
 typedef struct mcv_exposure {

@@ -93,7 +93,8 @@ static mcv_result scale_light(const mcv_camera_settings *settings, const char *p
     /* Electrons for equal energy go as eta lambda. */
     for (int c = 0; c < 3; ++c)
         per_unit[c] = settings->quantum_efficiency[c] * settings->wavelength[c];
-    const mcv_quantity level = mcv_camera_level(light, mcv_exr_error(exr), per_unit);
+    const mcv_quantity level =
+        mcv_camera_level(light, mcv_exr_error(exr), mcv_exr_channel_correlation(exr), per_unit);
     if (!(level.value > 0))
         return mcv_fail(error, MCV_BAD_INPUT,
                         "%s: is dark everywhere, so --expose-to cannot scale it", path);

@@ -108,12 +108,13 @@ static mcv_error_cell split(const cell_sums *c) {
 }
 
 mcv_result mcv_render_error_of(const mcv_image *grey, const mcv_image *errors,
-                               const mcv_correlation *correlation, double freedom,
+                               const mcv_correlation *correlation, double shared, double freedom,
                                mcv_render_error *out, mcv_error *error) {
     *out = (mcv_render_error){
         .cells = {cells_along(grey->width), cells_along(grey->height)},
         .channels = grey->channels,
         .correlation = {correlation->sum, correlation->squares, correlation->stencil},
+        .shared = shared,
         .freedom = freedom};
     cell_sums *cells = calloc(count_cells(out), sizeof *cells);
     out->items = calloc(count_cells(out), sizeof *out->items);

@@ -16,10 +16,10 @@
 #include "analysis/region.h"
 #include "scene/camera_model.h"
 
-/* Of whole grey values and their standard errors [DN], of the same size. MCV_FAILED without memory.
- */
+/* Of whole grey values and their standard errors [DN], of the same size; `shared` is the
+ * correlation of channels. MCV_FAILED without memory. */
 mcv_result mcv_render_error_of(const mcv_image *grey, const mcv_image *errors,
-                               const mcv_correlation *correlation, double freedom,
+                               const mcv_correlation *correlation, double shared, double freedom,
                                mcv_render_error *out, mcv_error *error);
 
 /* The errors of grey values of the same channels, in an image made here. MCV_FAILED without memory.

@@ -117,7 +117,7 @@ static mcv_result read_gradient(const mcv_measuring *asked, const mcv_scene *sce
     MCV_TRY(mcv_light_field_gradient(image, readout.angular, asked->form, asked->threads, &gradient,
                                      error));
     const mcv_result result =
-        mcv_choose_channel(0, scene->path, &gradient, false, &m->readings.values, error);
+        mcv_choose_channel(0, scene->path, &gradient, &m->readings.values, error);
     mcv_image_free(&gradient);
     MCV_TRY(result);
     m->known = m->whole = false;
@@ -125,16 +125,17 @@ static mcv_result read_gradient(const mcv_measuring *asked, const mcv_scene *sce
                          m->readings.values.height, 1, error);
 }
 
-/* Values and deviations of one channel. */
+/* Values and deviations of one channel. `shared`: what mcv_choose_errors takes. */
 static mcv_result read_channel(const mcv_measuring *asked, const char *path, const mcv_image *image,
-                               const mcv_image *deviation, const mcv_image *render, mcv_metrics *m,
-                               mcv_error *error) {
+                               const mcv_image *deviation, const mcv_image *render, double shared,
+                               mcv_metrics *m, mcv_error *error) {
     mcv_readings *r = &m->readings;
-    MCV_TRY(mcv_choose_channel(asked->channel, path, image, false, &r->values, error));
-    if (render->pixels)
-        MCV_TRY(mcv_choose_channel(asked->channel, path, render, true, &r->render, error));
+    const mcv_image *own = render->pixels ? render : NULL;
+    MCV_TRY(mcv_choose_channel(asked->channel, path, image, &r->values, error));
+    if (own) MCV_TRY(mcv_choose_errors(asked->channel, path, own, own, shared, &r->render, error));
     if (m->known)
-        return mcv_choose_channel(asked->channel, path, deviation, true, &r->deviation, error);
+        return mcv_choose_errors(asked->channel, path, deviation, own, shared, &r->deviation,
+                                 error);
     return mcv_image_new(&r->deviation, image->width, image->height, 1, error);
 }
 
@@ -158,7 +159,8 @@ static mcv_result take_readings(const mcv_measuring *asked, const mcv_scene *sce
     if (result == MCV_OK)
         result = asked->in_gradient
                      ? read_gradient(asked, scene, sensor, image, m, error)
-                     : read_channel(asked, scene->path, image, deviation, light_error, m, error);
+                     : read_channel(asked, scene->path, image, deviation, light_error,
+                                    mcv_exr_channel_correlation(&light.exr), m, error);
     mcv_exposure_free(&out.exposure);
     mcv_set_image_free(&light);
     return result;

@@ -20,8 +20,12 @@ mcv_result mcv_set_image_develop(const mcv_scene *scene, uint32_t sensor, const 
     parts[1].name = "error";
     image->exr = (mcv_exr){
         .parts = parts, .part_count = film->replicates > 1 ? 2 : 1, .attributes = attributes};
+    attributes[2] = (mcv_attribute){
+        .name = "mcvisi:errorFreedom", .numbers = {film->replicates - 1.0}, .count = 1};
+    attributes[3] = (mcv_attribute){
+        .name = MCV_EXR_CHANNELS, .numbers = {mcv_film_channel_correlation(film)}, .count = 1};
     image->exr.attribute_count =
-        2 + mcv_header_attributes(scene->sensors + sensor, attributes + 2, image->names);
+        4 + mcv_header_attributes(scene->sensors + sensor, attributes + 4, image->names);
     MCV_TRY(mcv_film_develop(film, &parts[0].image, &parts[1].image, error));
     MCV_TRY(mcv_header_describe(scene, sensor, &parts[0].image, error));
     attributes[image->exr.attribute_count++] =
@@ -38,7 +42,7 @@ mcv_result mcv_set_image_keep(const char *path, const mcv_scene *scene, uint32_t
                               const mcv_film *film, uint32_t seed, const char *overrides,
                               mcv_error *error) {
     mcv_set_image image;
-    mcv_attribute attributes[MCV_PICTURE_PARAMETERS + 9];
+    mcv_attribute attributes[MCV_PICTURE_PARAMETERS + 11];
     mcv_result result = mcv_set_image_develop(scene, sensor, film, &image, error);
     uint32_t count = image.exr.attribute_count;
     memcpy(attributes, image.attributes, count * sizeof *attributes);

@@ -10,7 +10,7 @@
 typedef struct mcv_set_image {
     mcv_exr exr;
     mcv_exr_part parts[2]; /* the image and, with two or more replicates, its standard error */
-    mcv_attribute attributes[MCV_PICTURE_PARAMETERS + 3];
+    mcv_attribute attributes[MCV_PICTURE_PARAMETERS + 5];
     char names[MCV_PICTURE_PARAMETERS][MCV_EXR_ATTRIBUTE_NAME];
 } mcv_set_image;
 

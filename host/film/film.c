@@ -194,6 +194,36 @@ mcv_result mcv_film_develop(const mcv_film *film, mcv_image *mean, mcv_image *er
     return MCV_OK;
 }
 
+/* Adds a pixel's covariances of pairs of channels, and the products of their deviations; both of
+ * sums over the replicates, whose number cancels out. */
+static void add_pairs(const mcv_film *film, size_t pixel, double *covariance, double *product) {
+    const size_t plane = (size_t)film->width * film->height;
+    double sum = 0, squares = 0, roots = 0;
+    double shared[MCV_MAX_REPLICATES] = {0};
+    for (uint32_t c = 0; c < film->channels; ++c) {
+        double mean = 0, own = 0;
+        for (uint32_t r = 0; r < film->replicates; ++r)
+            mean += film->sums[(r * film->channels + c) * plane + pixel] / film->replicates;
+        for (uint32_t r = 0; r < film->replicates; ++r) {
+            const double off = film->sums[(r * film->channels + c) * plane + pixel] - mean;
+            shared[r] += off;
+            own += off * off;
+        }
+        squares += own;
+        roots += sqrt(own);
+    }
+    for (uint32_t r = 0; r < film->replicates; ++r) sum += shared[r] * shared[r];
+    *covariance += sum - squares;
+    *product += roots * roots - squares;
+}
+
+double mcv_film_channel_correlation(const mcv_film *film) {
+    double covariance = 0, product = 0;
+    for (size_t i = 0; film->channels > 1 && i < (size_t)film->width * film->height; ++i)
+        add_pairs(film, i, &covariance, &product);
+    return product > 0 ? covariance / product : 1;
+}
+
 double mcv_film_mean(const mcv_film *film) {
     const size_t count = (size_t)film->width * film->height * film->channels * film->replicates;
     double sum = 0;

@@ -89,6 +89,13 @@ mcv_estimate mcv_estimate_replicates(const double *means, uint32_t replicates);
 mcv_result mcv_film_develop(const mcv_film *film, mcv_image *mean, mcv_image *error_image,
                             mcv_error *error);
 
+/*
+ * How the channels share the errors of mcv_film_develop: the covariance of pairs of channels over
+ * the product of their standard errors, both summed over pixels and pairs. Channels come from the
+ * same paths: 1 for light of one colour everywhere. 1 for a film of one channel, or without error.
+ */
+double mcv_film_channel_correlation(const mcv_film *film);
+
 /* The mean over pixels and channels. NaN for a film without samples. */
 double mcv_film_mean(const mcv_film *film);
 

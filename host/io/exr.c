@@ -77,6 +77,11 @@ mcv_image *mcv_exr_image(const mcv_exr *exr, const char *name) {
     return NULL;
 }
 
+double mcv_exr_channel_correlation(const mcv_exr *exr) {
+    const double *shared = mcv_exr_numbers(exr, MCV_EXR_CHANNELS, 1);
+    return shared ? *shared : 1;
+}
+
 mcv_image *mcv_exr_error(const mcv_exr *exr) { return mcv_exr_image(exr, "error"); }
 
 void mcv_exr_free(mcv_exr *exr) {

@@ -89,4 +89,9 @@ mcv_image *mcv_exr_error(const mcv_exr *exr);
  * mcv_correlation. */
 #define MCV_EXR_CORRELATION "mcvisi:renderCorrelation"
 
+/* How the channels share the render's error (mcv_film_channel_correlation); 1 where the header does
+ * not say. */
+#define MCV_EXR_CHANNELS "mcvisi:channelCorrelation"
+double mcv_exr_channel_correlation(const mcv_exr *exr);
+
 #endif

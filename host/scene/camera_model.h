@@ -52,6 +52,7 @@ typedef struct mcv_render_error {
     uint32_t cells[2], channels; /* columns and rows of cells: pixel x lies in that of x
                                     columns/width, rounded down */
     double correlation[3];       /* sum, squares and stencil of mcv_correlation */
+    double shared;               /* correlation of channels (mcv_film_channel_correlation) */
     double freedom;              /* degrees of freedom of each pixel's error */
     mcv_error_cell *items;       /* owned; [channel][row][column] */
 } mcv_render_error;

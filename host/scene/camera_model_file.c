@@ -74,6 +74,7 @@ static void put_render_error(json_t *object, const mcv_render_error *e) {
     put_pair(render, "cells", e->cells);
     json_object_set_new(render, "channels", json_integer(e->channels));
     put_numbers(render, "correlation", e->correlation, 3);
+    put_number(render, "channelCorrelation", e->shared);
     put_number(render, "freedom", e->freedom);
     for (int k = 0; k < ERROR_LISTS; ++k) {
         json_t *list = json_array();
@@ -243,6 +244,7 @@ static mcv_result get_render_error(const json_t *object, mcv_render_error *out,
     MCV_TRY(get_pair(render, "cells", out->cells, &here, error));
     MCV_TRY(get_number(render, "channels", 1, &channels, &here, error));
     MCV_TRY(get_matrix(render, "correlation", 1, 3, out->correlation, &here, error));
+    MCV_TRY(get_number(render, "channelCorrelation", 1, &out->shared, &here, error));
     MCV_TRY(get_number(render, "freedom", 0, &out->freedom, &here, error));
     /* Before there is memory for them: as many as the text has. */
     const size_t count = json_array_size(json_object_get(render, "level"));

@@ -169,7 +169,8 @@ static mcv_result describe_with_error(const char *path, const mcv_exr *grey, cha
     if (render && rho) {
         const mcv_correlation correlation = {rho[0], rho[1], rho[2], rho[3]};
         result = mcv_render_error_of(&grey->parts[0].image, render, &correlation,
-                                     freedom ? *freedom : 0, &model.render_error, error);
+                                     mcv_exr_channel_correlation(grey), freedom ? *freedom : 0,
+                                     &model.render_error, error);
     }
     if (result == MCV_OK && !(*text = mcv_camera_model_write(&model)))
         result = mcv_fail(error, MCV_FAILED, "%s: no memory for its header", path);

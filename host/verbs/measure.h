@@ -16,6 +16,7 @@ typedef struct mcv_subject {
     mcv_readings readings;
     const char *noise; /* source of the deviations; NULL: none yet */
     bool whole;        /* a file of integers */
+    uint32_t averaged; /* of how many channels a value is the mean */
     double largest;    /* largest grey value, NaN if not known */
     double pixel[2];   /* width and height in the object plane [m], 0: not known */
     mcv_camera_model model;

@@ -33,18 +33,30 @@ static mcv_result read_model(const char *text, const char *path, mcv_subject *s,
     return MCV_OK;
 }
 
-/* The noise of a render is its own error. Grey values have it in addition to the camera's noise. */
-static mcv_result read_render_error(const char *path, const mcv_exr *exr, mcv_subject *s,
-                                    mcv_error *error) {
-    const double *rho = mcv_exr_numbers(exr, MCV_EXR_CORRELATION, 4),
-                 *freedom = mcv_exr_numbers(exr, "mcvisi:errorFreedom", 1);
+/* The part of the standard errors that is the render's own: of light all, of grey values that
+ * beside the camera's noise. NULL where the file does not tell. */
+static const mcv_image *render_error_of(const mcv_exr *exr) {
     const mcv_attribute *quantity = mcv_exr_attribute(exr, "mcvisi:quantity");
     const bool grey = quantity && quantity->text && strcmp(quantity->text, "grey value") == 0;
-    const mcv_image *render = grey ? mcv_exr_image(exr, MCV_EXR_RENDER_ERROR) : mcv_exr_error(exr);
-    if (rho) s->readings.correlation = (mcv_correlation){rho[0], rho[1], rho[2], rho[3]};
-    s->readings.render_freedom = freedom ? *freedom : 0;
-    if (!render || (!grey && !quantity)) return MCV_OK;
-    return mcv_choose_channel(s->command->channel, path, render, true, &s->readings.render, error);
+    return grey ? mcv_exr_image(exr, MCV_EXR_RENDER_ERROR) : quantity ? mcv_exr_error(exr) : NULL;
+}
+
+static mcv_result read_errors(const char *path, const mcv_exr *exr, mcv_subject *s,
+                              mcv_error *error) {
+    const double *rho = mcv_exr_numbers(exr, MCV_EXR_CORRELATION, 4),
+                 *freedom = mcv_exr_numbers(exr, "mcvisi:errorFreedom", 1),
+                 shared = mcv_exr_channel_correlation(exr);
+    const mcv_image *deviation = mcv_exr_error(exr), *render = render_error_of(exr);
+    mcv_readings *r = &s->readings;
+    if (rho) r->correlation = (mcv_correlation){rho[0], rho[1], rho[2], rho[3]};
+    r->render_freedom = freedom ? *freedom : 0;
+    if (render)
+        MCV_TRY(mcv_choose_errors(s->command->channel, path, render, render, shared, &r->render,
+                                  error));
+    if (!deviation) return MCV_OK;
+    s->noise = "the image's standard errors";
+    return mcv_choose_errors(s->command->channel, path, deviation, render, shared, &r->deviation,
+                             error);
 }
 
 static mcv_result read_exr(const mcv_picture *picture, mcv_subject *s, mcv_error *error) {
@@ -55,16 +67,11 @@ static mcv_result read_exr(const mcv_picture *picture, mcv_subject *s, mcv_error
     snprintf(s->unit, sizeof s->unit, "%s", unit && unit->text ? unit->text : "");
     s->largest = bits ? exp2(*bits) - 1 : NAN;
     const mcv_attribute *model = mcv_exr_attribute(exr, MCV_CAMERA_MODEL_KEY);
-    MCV_TRY(mcv_choose_channel(s->command->channel, path, &exr->parts[0].image, false,
-                               &s->readings.values, error));
+    s->averaged = s->command->channel ? 1 : exr->parts[0].image.channels;
+    MCV_TRY(mcv_choose_channel(s->command->channel, path, &exr->parts[0].image, &s->readings.values,
+                               error));
     MCV_TRY(read_model(model ? model->text : NULL, path, s, error));
-    const mcv_image *deviation = mcv_exr_error(exr);
-    if (deviation) {
-        MCV_TRY(mcv_choose_channel(s->command->channel, path, deviation, true,
-                                   &s->readings.deviation, error));
-        s->noise = "the image's standard errors";
-    }
-    return read_render_error(path, exr, s, error);
+    return read_errors(path, exr, s, error);
 }
 
 /* The render's error from the header, which has it by cells. A cell's mean is over many pixels, so
@@ -75,8 +82,8 @@ static mcv_result read_told_error(const char *path, const mcv_image *image, mcv_
     mcv_image errors;
     if (!s->has_model || !told->items || told->channels != image->channels) return MCV_OK;
     MCV_TRY(mcv_render_error_image(told, image, &errors, error));
-    const mcv_result result =
-        mcv_choose_channel(s->command->channel, path, &errors, true, &s->readings.render, error);
+    const mcv_result result = mcv_choose_errors(s->command->channel, path, &errors, &errors,
+                                                told->shared, &s->readings.render, error);
     mcv_image_free(&errors);
     s->readings.correlation =
         (mcv_correlation){told->correlation[0], told->correlation[1], told->correlation[2], 0};
@@ -86,8 +93,9 @@ static mcv_result read_told_error(const char *path, const mcv_image *image, mcv_
 
 static mcv_result read_values(const mcv_picture *picture, mcv_subject *s, mcv_error *error) {
     const mcv_image *image = &picture->exr.parts[0].image;
-    MCV_TRY(mcv_choose_channel(s->command->channel, picture->path, image, false,
-                               &s->readings.values, error));
+    s->averaged = s->command->channel ? 1 : image->channels;
+    MCV_TRY(
+        mcv_choose_channel(s->command->channel, picture->path, image, &s->readings.values, error));
     MCV_TRY(read_model(image->description, picture->path, s, error));
     MCV_TRY(read_told_error(picture->path, image, s, error));
     s->whole = true;
@@ -109,7 +117,8 @@ static void set_noise(mcv_subject *s) {
         const double electrons =
             fmax(0, s->readings.values.pixels[i] - (double)c->black_level) / fmax(c->gain, 1e-300);
         const double variance =
-            c->gain * c->gain * (electrons + c->read_noise * c->read_noise) + 1.0 / 12;
+            (c->gain * c->gain * (electrons + c->read_noise * c->read_noise) + 1.0 / 12) /
+            s->averaged;
         const double render = s->readings.render.pixels ? s->readings.render.pixels[i] : 0;
         s->readings.deviation.pixels[i] =
             (float)(c->noise > 0 ? c->noise : sqrt(variance + render * render));

@@ -118,6 +118,7 @@ static mcv_result add_attributes(const mcv_rendered *r, mcv_exr *exr, const char
         number_attribute("mcvisi:firstSample", (double)options->first),
         number_attribute("mcvisi:samplesPerReplicate", (double)film->samples),
         number_attribute("mcvisi:errorFreedom", film->replicates - 1.0),
+        number_attribute(MCV_EXR_CHANNELS, mcv_film_channel_correlation(film)),
         number_attribute("mcvisi:depth", options->depth),
         text_attribute("mcvisi:precision", precisions[options->precision]),
         text_attribute("mcvisi:device", stats->device),

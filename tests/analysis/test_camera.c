@@ -528,7 +528,7 @@ static mcv_quantity level_of(bool lines, double samples, uint32_t seed) {
         light.pixels[i] = (float)mean;
         light_error.pixels[i] = (float)sqrt(squares / 12);
     }
-    const mcv_quantity level = mcv_camera_level(&light, &light_error, (const double[]){5, 5, 5});
+    const mcv_quantity level = mcv_camera_level(&light, &light_error, 1, (const double[]){5, 5, 5});
     mcv_image_free(&light);
     mcv_image_free(&light_error);
     return level;
@@ -555,7 +555,7 @@ static void test_level(void **state) {
     }
     float black[1] = {0};
     const mcv_image dark = {.width = 1, .height = 1, .channels = 1, .pixels = black};
-    assert_true(mcv_camera_level(&dark, NULL, (const double[]){1, 1, 1}).value == 0);
+    assert_true(mcv_camera_level(&dark, NULL, 1, (const double[]){1, 1, 1}).value == 0);
 }
 
 /*

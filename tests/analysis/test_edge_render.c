@@ -101,7 +101,8 @@ static mcv_readings read_back(const mcv_exposure *e, const mcv_correlation *corr
     }
     if (way == BY_PIXELS) return r;
     assert_int_equal(
-        mcv_render_error_of(&e->grey, &e->render, correlation, ROUNDS - 1, &told, &error), MCV_OK);
+        mcv_render_error_of(&e->grey, &e->render, correlation, 1, ROUNDS - 1, &told, &error),
+        MCV_OK);
     assert_int_equal(mcv_render_error_image(&told, &e->grey, &r.render, &error), MCV_OK);
     free(told.items);
     for (size_t i = 0; i < PIXELS; ++i) {

@@ -234,6 +234,32 @@ static void test_standard_error_covers_the_truth(void **state) {
     mcv_film_free(&film);
 }
 
+/*
+ * Two replicates, three channels: in the first pixel all are off by the same cause, in the second
+ * only two, against each other. Covariances of pairs (deviations 1, 2, 3): 2 + 3 + 6 = 11, and -2
+ * of (1, 2, 0); products 11 and 2. Each replicate is off to the other side.
+ */
+static void test_channels_share_their_error(void **state) {
+    static const double off[2][3] = {{1, 2, 3}, {1, -2, 0}};
+    mcv_film film, grey;
+    mcv_error error = {""};
+    (void)state;
+    assert_int_equal(mcv_film_new(&film, 2, 1, 3, 2, &error), MCV_OK);
+    film.samples = 1;
+    assert_true(mcv_film_channel_correlation(&film) == 1); /* no error at all */
+    for (int r = 0; r < 2; ++r)
+        for (int c = 0; c < 3; ++c)
+            for (int i = 0; i < 2; ++i)
+                film.sums[(r * 3 + c) * 2 + i] = 10 + (r ? 1 : -1) * off[i][c];
+    const double found = mcv_film_channel_correlation(&film);
+    if (fabs(found - (11.0 - 2) / (11 + 2)) > 1e-12) fail_msg("correlation %.17g", found);
+    mcv_film_free(&film);
+    assert_int_equal(mcv_film_new(&grey, 2, 1, 1, 2, &error), MCV_OK);
+    grey.sums[0] = 1;
+    assert_true(mcv_film_channel_correlation(&grey) == 1);
+    mcv_film_free(&grey);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_tree_sum_is_the_same_for_every_split),
@@ -241,6 +267,7 @@ int main(void) {
         cmocka_unit_test(test_splats_are_added),
         cmocka_unit_test(test_merge_refuses_what_does_not_fit),
         cmocka_unit_test(test_develop_gives_mean_and_standard_error),
+        cmocka_unit_test(test_channels_share_their_error),
         cmocka_unit_test(test_error_without_the_worst),
         cmocka_unit_test(test_develop_at_the_edges),
         cmocka_unit_test(test_standard_error_covers_the_truth),

@@ -311,8 +311,8 @@ static void test_sizes_that_overflow(void **state) {
 /*
  * An image with a contour through its cells, whose errors are 0.25 DN on one side and 3 DN on the
  * other, in two channels: the text gives back each pixel's error, to half a thousandth. A text of
- * older versions, which does not tell edges apart, does as well. One with too few numbers or
- * absurdly many cells is refused.
+ * older versions, which tells neither edges apart nor of channels, does as well. One with too few
+ * numbers or absurdly many cells is refused.
  */
 static void test_error_of_the_render(void **state) {
     static const char *const lists[] = {"level",       "milliBelow", "milliAbove", "microEdgeBelow",
@@ -333,19 +333,21 @@ static void test_error_of_the_render(void **state) {
         values[i] = (float)((bright ? 3000 : 200) + i % 7);
         errors[i] = bright ? 3 : 0.25F;
     }
-    BUILD(mcv_render_error_of(&grey, &known, &(mcv_correlation){4, 2, 0.5, 0.3}, 3,
+    BUILD(mcv_render_error_of(&grey, &known, &(mcv_correlation){4, 2, 0.5, 0.3}, 0.75, 3,
                               &model.render_error, &builder_error));
     char *text = mcv_camera_model_write(&model);
     json_t *older = json_loads(text, 0, NULL);
     json_object_del(json_object_get(older, "renderError"), "microEdgeBelow");
     json_object_del(json_object_get(older, "renderError"), "microEdgeAbove");
+    json_object_del(json_object_get(older, "renderError"), "channelCorrelation");
     char *texts[] = {text, json_dumps(older, 0)};
     json_decref(older);
     for (int k = 0; k < 2; ++k) {
         BUILD(mcv_camera_model_read(texts[k], "image", &read, &is_one, &builder_error));
         const mcv_render_error *told = &read.render_error;
         assert_true(told->correlation[0] == 4 && told->correlation[1] == 2 &&
-                    told->correlation[2] == 0.5 && told->freedom == 3);
+                    told->correlation[2] == 0.5 && told->freedom == 3 &&
+                    told->shared == (k == 0 ? 0.75 : 1));
         BUILD(mcv_render_error_image(told, &grey, &found, &builder_error));
         /* A cell of one side alone is told apart by its own noise. */
         for (size_t i = 0; i < COUNT; ++i)
