@@ -25,17 +25,22 @@ typedef struct pixel {
     double without, mean, variance; /* of the pairs */
 } pixel;
 
-/* Electrons above the full well are lost in either picture. */
+/* One pair. Electrons above the full well are lost in either picture. */
+static pixel pair_at(const mcv_pairs *p, double full_well, uint32_t replicate, size_t i) {
+    const size_t at = replicate * (size_t)p->width * p->height * p->channels + i;
+    const double without = fmin(p->without[at], full_well);
+    return (pixel){.without = without, .mean = fmin(p->with[at], full_well) - without};
+}
+
 static pixel pixel_at(const mcv_pairs *p, double full_well, size_t i) {
-    const size_t plane = (size_t)p->width * p->height * p->channels;
     pixel at = {0};
     double squares = 0;
     for (uint32_t r = 0; r < p->replicates; ++r) {
-        const double without = fmin(p->without[r * plane + i], full_well),
-                     x = fmin(p->with[r * plane + i], full_well) - without, off = x - at.mean;
-        at.without += without / p->replicates;
+        const pixel pair = pair_at(p, full_well, r, i);
+        const double off = pair.mean - at.mean;
+        at.without += pair.without / p->replicates;
         at.mean += off / (r + 1); /* Welford's recurrence */
-        squares += off * (x - at.mean);
+        squares += off * (pair.mean - at.mean);
     }
     at.variance = squares / (p->replicates - 1);
     return at;
@@ -69,6 +74,42 @@ static void add(sums *s, const pixel *at, double noise, double replicates) {
     s->fourth += v2 / (noise * noise);
 }
 
+/*
+ * How the channels share the pairs' errors, as mcv_film_channel_correlation: all channels of a
+ * pixel come from the same paths. 0 where the camera reads one channel of each pixel.
+ */
+static double correlation_of_channels(const mcv_pairs *p, const mcv_camera *camera) {
+    const size_t plane = (size_t)p->width * p->height;
+    double covariance = 0, product = 0;
+    if (camera->bayer != MCV_BAYER_NONE || p->channels == 1) return 0;
+    for (size_t i = 0; i < plane; ++i) {
+        double all[MCV_MAX_REPLICATES] = {0}, roots = 0, squares = 0;
+        if (p->inside && !p->inside[i]) continue;
+        for (uint32_t c = 0; c < p->channels; ++c) {
+            const pixel at = pixel_at(p, camera->full_well, c * plane + i);
+            for (uint32_t r = 0; r < p->replicates; ++r)
+                all[r] += pair_at(p, camera->full_well, r, c * plane + i).mean - at.mean;
+            roots += sqrt(at.variance);
+            squares += at.variance;
+        }
+        for (uint32_t r = 0; r < p->replicates; ++r)
+            covariance += all[r] * all[r] / (p->replicates - 1);
+        covariance -= squares;
+        product += roots * roots - squares;
+    }
+    return product > 0 ? covariance / product : 0;
+}
+
+/* How neighbours and channels share errors: of C channels alike a sum has 1 + ρ (C - 1) times the
+ * variance, and one of squares 1 + ρ² (C - 1) times. */
+static mcv_correlation shared_errors(const mcv_pairs *p, const mcv_camera *camera) {
+    const double rho = correlation_of_channels(p, camera), others = p->channels - 1.0;
+    mcv_correlation all = p->correlation;
+    all.sum *= fmax(0, 1 + rho * others);
+    all.squares *= 1 + rho * rho * others;
+    return all;
+}
+
 /* The variance of Σ(mean² - v/R). The sum over m² v may come out below 0: then there is no signal.
  */
 static double variance_of(double cross, double fourth, const mcv_correlation *rho, double r) {
@@ -86,8 +127,8 @@ static mcv_quantity root_of(double value, double variance, double low_high[2]) {
                           value > 2 * u ? u / (2 * root) : (low_high[1] - low_high[0]) / 3.92};
 }
 
-static void finish(const sums *s, const mcv_pairs *p, mcv_detection *d) {
-    const mcv_correlation *rho = &p->correlation;
+static void finish(const sums *s, const mcv_pairs *p, const mcv_correlation *rho,
+                   mcv_detection *d) {
     const double r = p->replicates, n = s->values;
     double ends[2];
     *d = (mcv_detection){.values = (uint64_t)n, .mean = s->without / n, .visible = s->visible};
@@ -125,6 +166,7 @@ mcv_result mcv_detect(const mcv_pairs *pairs, const mcv_camera *camera, double t
             s.visible += sigmas >= threshold;
             if (visible) visible->pixels[i] = fmaxf(visible->pixels[i], (float)sigmas);
         }
-    finish(&s, pairs, detection);
+    const mcv_correlation shared = shared_errors(pairs, camera);
+    finish(&s, pairs, &shared, detection);
     return MCV_OK;
 }

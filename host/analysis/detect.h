@@ -45,8 +45,9 @@ typedef struct mcv_detection {
 
 /*
  * Uncertainties to first order from the variances v of the pairs; errors of pixels are independent,
- * or correlated as stated. `visible` (NULL: not wanted) gets the image of one channel with |Δ|/σ,
- * the largest of the channels; 0 outside. MCV_FAILED without memory.
+ * or correlated as stated. Channels share them as the pairs show. `visible` (NULL: not wanted) gets
+ * the image of one channel with |Δ|/σ, the largest of the channels; 0 outside. MCV_FAILED without
+ * memory.
  */
 mcv_result mcv_detect(const mcv_pairs *pairs, const mcv_camera *camera, double threshold,
                       mcv_image *visible, mcv_detection *detection, mcv_error *error);

@@ -9,7 +9,7 @@
 #include "analysis/detect.h"
 #include "mesh.h"
 
-enum { SIDE = 24, PIXELS = SIDE * SIDE, MOST = 16 };
+enum { SIDE = 24, PIXELS = SIDE * SIDE, MOST = 16, COLOURS = 3 };
 
 static const mcv_camera plain = {.electrons_per_unit = {1, 1, 1},
                                  .full_well = 1e5,
@@ -172,9 +172,45 @@ static void test_coverage(void **state) {
     }
 }
 
+/* The three channels of a pixel alike, errors and all: d' is √3 times as large, and as uncertain.
+ * Read through a Bayer pattern each pixel has its channel's error alone. */
+static void test_coverage_of_colours(void **state) {
+    enum { TRIALS = 2000, REPLICATES = 4 };
+    static pictures p;
+    static struct {
+        double with[COLOURS * REPLICATES * PIXELS], without[COLOURS * REPLICATES * PIXELS];
+    } colours;
+    uint64_t random = 5;
+    (void)state;
+    for (int bayer = 0; bayer < 2; ++bayer) {
+        mcv_camera camera = plain;
+        camera.bayer = bayer ? MCV_BAYER_RGGB : MCV_BAYER_NONE;
+        const double truth = sqrt((bayer ? 1 : COLOURS) * true_squared(&plain, 12));
+        int held = 0;
+        for (int t = 0; t < TRIALS; ++t) {
+            make_pairs(&p, REPLICATES, 12, 0, 20, &random);
+            for (int i = 0; i < REPLICATES * COLOURS * PIXELS; ++i) {
+                const int from = i / (COLOURS * PIXELS) * PIXELS + i % PIXELS;
+                colours.with[i] = p.with[from];
+                colours.without[i] = p.without[from];
+            }
+            p.pairs.channels = COLOURS;
+            p.pairs.with = colours.with;
+            p.pairs.without = colours.without;
+            const mcv_detection d = detect(&p, &camera);
+            held += d.low <= truth && truth <= d.high;
+        }
+        const double share = (double)held / TRIALS;
+        print_message("%s: %.4f\n", bayer ? "Bayer" : "three channels", share);
+        if (fabs(share - 0.95) > 0.02)
+            fail_msg("%s: %g of the intervals hold d' = %g", bayer ? "Bayer" : "three channels",
+                     share, truth);
+    }
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_closed_form),
-                                       cmocka_unit_test(test_matched_filter),
-                                       cmocka_unit_test(test_coverage)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_closed_form), cmocka_unit_test(test_matched_filter),
+        cmocka_unit_test(test_coverage), cmocka_unit_test(test_coverage_of_colours)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
