@@ -4,21 +4,12 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
-#include <sys/mman.h>
 #include <time.h>
 
 double mcv_seconds(void) {
     struct timespec t;
     clock_gettime(CLOCK_MONOTONIC, &t);
     return (double)t.tv_sec + 1e-9 * (double)t.tv_nsec;
-}
-
-void mcv_large_pages(void *memory, size_t bytes) {
-    const uintptr_t large = (uintptr_t)1 << 21,
-                    begin = ((uintptr_t)memory + large - 1) & ~(large - 1),
-                    end = ((uintptr_t)memory + bytes) & ~(large - 1);
-    /* No large pages: small ones do. */
-    if (begin < end) (void)madvise((void *)begin, end - begin, MADV_HUGEPAGE);
 }
 
 bool mcv_ends_in(const char *path, const char *ending) {

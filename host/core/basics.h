@@ -16,10 +16,6 @@ typedef struct mcv_texts {
 /* Seconds since some fixed time; changes of the wall clock have no effect. */
 double mcv_seconds(void);
 
-/* Asks the system for large pages in the middle of a new array, which is written at once: a page of
- * 2 MB costs little more than one of 4 kB, of which there are 512 times as many. */
-void mcv_large_pages(void *memory, size_t bytes);
-
 /* Whether a file's name has this ending, ".png", in any case. */
 bool mcv_ends_in(const char *path, const char *ending);
 

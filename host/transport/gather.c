@@ -107,6 +107,8 @@ static mcv_result add_value(const mcv_gather *g, mcv_wide *sum, float value, mcv
         *sum += (mcv_wide)llrint(units);
     else if (units < 0x1p62)
         *sum += (mcv_wide)(int64_t)units;
+    else if (units < 0x1p100) /* of 2^38 units, which takes less time than a wide conversion */
+        *sum += (mcv_wide)(int64_t)(units * 0x1p-38) << 38;
     else if (units < ldexp(1, MOST_BITS))
         *sum += (mcv_wide)units;
     else
