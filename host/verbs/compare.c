@@ -77,6 +77,7 @@ mcv_result mcv_compared_read(const mcv_exr *exr, const char *path, mcv_compared 
     snprintf(r->sampling, sizeof r->sampling, "%s", text_attribute(exr, "mcvisi:sampling"));
     snprintf(r->device, sizeof r->device, "%s", text_attribute(exr, "mcvisi:device"));
     r->seed = number_attribute(exr, "mcvisi:seed");
+    r->light_paths = number_attribute(exr, "mcvisi:lightPaths");
     return gather_replicates(exr, r, error);
 }
 

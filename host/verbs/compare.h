@@ -14,7 +14,7 @@ typedef struct mcv_compared {
     mcv_film film; /* of a picture: the replicates' means, as of one sample each; empty where it has
                       none */
     char quantity[64], unit[64], sampler[64], sampling[64], device[256];
-    double seed;
+    double seed, light_paths; /* NaN: not told */
 } mcv_compared;
 
 /* Of a picture, which must outlive it; the film is freed by the caller, after failure, too. */

@@ -8,6 +8,7 @@
 #include "verbs/grey_picture.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -65,6 +66,7 @@ static mcv_result gather(const mcv_command *command, const mcv_exr *const exr[2]
     memcpy(d->lens, w->read.lens, sizeof d->lens);
     d->same_seed = w->pictures[0].seed == w->pictures[1].seed;
     d->same_sampling = strcmp(w->pictures[0].sampling, w->pictures[1].sampling) == 0;
+    for (int i = 0; i < 2; ++i) d->light_paths[i] = w->pictures[i].light_paths;
     return MCV_OK;
 }
 
@@ -143,17 +145,36 @@ static void tell_bound(const mcv_detected *detected, mcv_report *report) {
     mcv_report_close(report);
 }
 
-void mcv_detect_report(const mcv_command *command, const mcv_detected *detected,
-                       mcv_report *report) {
-    const mcv_detection *d = &detected->detection;
-    if (!detected->same_seed)
+bool mcv_detect_lights_differ(const mcv_detected *detected) {
+    return fabs(detected->light_paths[0] - detected->light_paths[1]) > 0;
+}
+
+/* Where the noise of the render does not cancel. */
+static void tell_of_pair(const mcv_detected *detected, mcv_report *report) {
+    char text[256];
+    if (!detected->same_seed) {
         mcv_report_tell(report, "note",
                         "the pictures have different seeds: with the same --seed most of the "
                         "render's noise would be in both, and cancel");
-    else if (!detected->same_sampling)
+        return;
+    }
+    if (!detected->same_sampling)
         mcv_report_tell(report, "note",
                         "one of the pictures alone has adaptive sampling: with --adaptive off for "
                         "both, most of the render's noise would be in both, and cancel");
+    if (!mcv_detect_lights_differ(detected)) return;
+    snprintf(
+        text, sizeof text,
+        "the pictures have %.3g and %.3g light paths a sample: with --light-paths on for both, "
+        "most of the render's noise would be in both, and cancel",
+        detected->light_paths[0], detected->light_paths[1]);
+    mcv_report_tell(report, "note", text);
+}
+
+void mcv_detect_report(const mcv_command *command, const mcv_detected *detected,
+                       mcv_report *report) {
+    const mcv_detection *d = &detected->detection;
+    tell_of_pair(detected, report);
     if (d->low == 0 && d->high > 0)
         mcv_report_tell(report, "warning",
                         "the render's noise hides the defect: more samples narrow the interval");

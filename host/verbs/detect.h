@@ -18,7 +18,8 @@ typedef struct mcv_detected {
     char *setup;      /* HTML: the rig from the side; owned, or NULL */
     char lens[128];   /* what blurs, in words */
     bool same_seed, same_sampling;
-    double step; /* of a parameter between the pictures [SI]; 0: not told */
+    double light_paths[2]; /* a sample of each picture; NaN: not told */
+    double step;           /* of a parameter between the pictures [SI]; 0: not told */
 } mcv_detected;
 
 /* Of two pictures of light with all their replicates; the paths are for messages. After failure
@@ -26,6 +27,10 @@ typedef struct mcv_detected {
 mcv_result mcv_detect_pictures(const mcv_command *command, const mcv_exr *with,
                                const char *with_path, const mcv_exr *without,
                                const char *without_path, mcv_detected *detected, mcv_error *error);
+
+/* Whether one picture is known to have more light paths than the other: a render's own pilot
+ * decides how many there are. */
+bool mcv_detect_lights_differ(const mcv_detected *detected);
 
 void mcv_detected_free(mcv_detected *detected);
 

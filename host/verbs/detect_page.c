@@ -110,10 +110,13 @@ static void put_assumed(FILE *out, const mcv_detect_view *view) {
           "were given; the fixed pattern counts as noise.\n<li>Blur of the lens: ",
           out);
     mcv_html_text(out, d->lens[0] ? d->lens : "none");
-    fprintf(out, ".\n%s</ul>\n",
+    fprintf(out, ".\n%s%s</ul>\n",
             !d->same_seed ? "<li>The pictures have different seeds: their noise does not cancel.\n"
             : !d->same_sampling
                 ? "<li>One picture alone has adaptive sampling: their noise does not cancel.\n"
+                : "",
+            d->same_seed && mcv_detect_lights_differ(d)
+                ? "<li>The pictures differ in their light paths: their noise does not cancel.\n"
                 : "");
 }
 

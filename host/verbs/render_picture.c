@@ -113,6 +113,7 @@ static mcv_result add_attributes(const mcv_rendered *r, mcv_exr *exr, const char
         text_attribute("mcvisi:sampler",
                        options->sampler == MCV_SAMPLER_RANDOM ? "random" : "sobol"),
         text_attribute("mcvisi:sampling", film->levels ? "adaptive" : "uniform"),
+        number_attribute("mcvisi:lightPaths", stats->light_paths),
         number_attribute("mcvisi:seed", options->seed),
         number_attribute("mcvisi:replicates", film->replicates),
         number_attribute("mcvisi:firstSample", (double)options->first),

@@ -441,6 +441,43 @@ static void test_render_adaptive(void **state) {
 #undef PICTURE
 }
 
+static bool file_says(const char *path, const char *text) {
+    char *line = NULL;
+    size_t room = 0;
+    bool found = false;
+    FILE *file = fopen(path, "r");
+    assert_non_null(file);
+    while (!found && getline(&line, &room, file) > 0) found = strstr(line, text) != NULL;
+    free(line);
+    fclose(file);
+    return found;
+}
+
+/* A pilot decides how many light paths a picture has, and each picture has its own: the header says
+ * how many, and what needs the same noise tells where they differ. */
+static void test_pictures_that_differ_in_light_paths(void **state) {
+#define PICTURE \
+    "render " MCV_SOURCE_DIR \
+    "/scenes/caustic.gltf --resolution 24x24 --spp 8 --adaptive off --parts replicates "
+    static const char *const lines[] = {PICTURE "--light-paths on -o on.exr",
+                                        PICTURE "--light-paths off -o off.exr"};
+#undef PICTURE
+    (void)state;
+    for (int i = 0; i < 2; ++i) {
+        run_well(lines[i]);
+        mcv_exr exr = read_exr(i == 0 ? "on.exr" : "off.exr");
+        const double paths = attribute(&exr, "mcvisi:lightPaths")->numbers[0];
+        if (i == 0 ? !(paths > 0) : paths != 0) fail_msg("%s: %g light paths", lines[i], paths);
+        mcv_exr_free(&exr);
+    }
+    run_well("detect on.exr off.exr --electrons-per-unit 1000 --html pair.html");
+    if (!strstr(err, "--light-paths on for both")) fail_msg("%s", err);
+    assert_true(file_says("pair.html", "differ in their light paths"));
+    run_well("detect on.exr on.exr --electrons-per-unit 1000 --html same.html");
+    if (strstr(err, "light paths")) fail_msg("%s", err);
+    assert_false(file_says("same.html", "differ in their light paths"));
+}
+
 static void test_render_writes_pictures(void **state) {
     (void)state;
     write_scene("s.gltf", pinhole, panel);
@@ -1717,6 +1754,7 @@ int main(void) {
         TEST(test_no_device),
         TEST(test_names_with_control_characters),
         TEST(test_render_adaptive),
+        TEST(test_pictures_that_differ_in_light_paths),
         TEST(test_render_writes_pictures),
         TEST(test_reference_device),
         TEST(test_precision),
