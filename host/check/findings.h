@@ -62,6 +62,8 @@ typedef struct mcv_findings {
  * - small_defect: defects below two wavelengths, or below a hundredth of a pixel
  * - wavelength: beams of a flying spot scanner, or lasers as the only light, at another wavelength
  *   than the materials' indices
+ * - layer: metallicRoughness whose layer lacks 2 % of the light or more, in even light or at 80°
+ * - rough_glass: glass of α below 0.1, or brushed, off in single directions by more than 1 %
  * - head: laser triangulation heads whose scan would be refused, or whose heights would be none
  * - growth: silhouettes before a backlight, with the growth of their edges (check/growth.h)
  * - extras: extras of the scene's files, which are ignored
@@ -84,6 +86,8 @@ typedef struct mcv_findings {
     X(outline) \
     X(small_defect) \
     X(wavelength) \
+    X(layer) \
+    X(rough_glass) \
     X(head) \
     X(growth) \
     X(extras)

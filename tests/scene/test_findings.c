@@ -410,6 +410,68 @@ static void test_curved_glass_of_flat_facets(void **state) {
     expect(scene, "a box", words, -1, "", "");
 }
 
+/* Plastic and paint of one reflectance. */
+static mcv_scene *layered(mcv_scene *scene, double roughness, double base, double metallic) {
+    mcv_material paint = {.surface_texture = MCV_NONE};
+    mcv_params_set_defaults(mcv_material_table(MCV_MATERIAL_METALLIC_ROUGHNESS), &paint.as);
+    for (int c = 0; c < 3; ++c) paint.as.metallic_roughness.baseColor[c] = base;
+    paint.as.metallic_roughness.roughness = roughness;
+    paint.as.metallic_roughness.metallic = metallic;
+    add_rectangle(scene, 1, 1, add_material(scene, MCV_MATERIAL_METALLIC_ROUGHNESS, &paint),
+                  looking_up_z(0, 0, 0));
+    return scene;
+}
+
+/*
+ * Of 400 000 walks of another program (NumPy, other numbers), α = 0.2: over black 4.63 and 7.46 %,
+ * and 0.0030 are missing in the base; over 0.1 1.64 and 4.59 %, and 0.0027. The rule's 32 768 walks
+ * know it to 3.3 % (the deviation of 30 seeds): 10 % are three of them.
+ */
+static void test_what_a_layer_lacks(void **state) {
+    static const char words[] = "what its layer reflects more than once";
+    static const double truths[2][4] = {{0, 4.63, 7.46, 0.00301}, {0.1, 1.64, 4.59, 0.0027}};
+    const double roughness = sqrt(0.2);
+    (void)state;
+    for (int i = 0; i < 2; ++i) {
+        double found[3];
+        mcv_finding finding = {.path = (char *)"", .sentence = (char *)""};
+        const int count =
+            look_for(layered(mcv_scene_new("paint"), roughness, truths[i][0], 0), words, &finding);
+        assert_int_equal(count, 1);
+        const char *lacks = strstr(finding.sentence, "lacks "), *and = strstr(lacks, "and "),
+                   *add = strstr(and, "add ");
+        assert_true(sscanf(lacks, "lacks %lf %%", found) == 1 &&
+                    sscanf(and, "and %lf %%", found + 1) == 1 &&
+                    sscanf(add, "add %lf to baseColor", found + 2) == 1);
+        for (int k = 0; k < 3; ++k)
+            if (fabs(found[k] / truths[i][k + 1] - 1) > 0.1)
+                fail_msg("%g instead of %g: %s", found[k], truths[i][k + 1], finding.sentence);
+    }
+    expect(layered(layered(mcv_scene_new("two"), roughness, 0, 0), 0.4, 0.05, 0), "two paints",
+           words, MCV_SEVERITY_NOTE, "materials/material/roughness", "as do 1 others less");
+    expect(layered(mcv_scene_new("grey"), roughness, 0.5, 0), "grey paint", words, -1, "", "");
+    expect(layered(mcv_scene_new("metal"), roughness, 0, 1), "metal", words, -1, "", "");
+}
+
+static void test_rough_glass(void **state) {
+    static const struct {
+        double roughness, anisotropy;
+        const char *number;
+    } cases[] = {{0.2, 0, "α = 0.04"}, {0.4, 0, NULL}, {0, 0, NULL}, {0.4, 0.5, "some percent"}};
+    (void)state;
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        mcv_scene *scene = mcv_scene_new("ground");
+        const double half[3] = {1e-3, 1e-3, 1e-3};
+        add_box(scene, half, add_glass(scene, 1.5, 0, 0), looking_up_z(0, 0, 0));
+        scene->materials[0].as.dielectric.roughness = cases[i].roughness;
+        scene->materials[0].as.dielectric.anisotropy = cases[i].anisotropy;
+        expect(scene, "glass", "right in sum", cases[i].number ? MCV_SEVERITY_NOTE : -1,
+               cases[i].anisotropy > 0 ? "materials/material/anisotropy"
+                                       : "materials/material/roughness",
+               cases[i].number ? cases[i].number : "");
+    }
+}
+
 static void test_thin_pane_on_a_closed_mesh(void **state) {
     static const char words[] = "is a thin sheet";
     const double half[3] = {1e-3, 1e-3, 1e-3};
@@ -567,6 +629,10 @@ static void test_page(void **state) {
 static void test_shipped_scenes(void **state) {
     static const char *const justified[][2] = {
         {"2CylinderEngine.glb", "chords replace curved outlines"},
+        {"2CylinderEngine.glb", "what its layer reflects more than once"},
+        {"part-arealight.gltf", "what its layer reflects more than once"},
+        {"part-backlight.gltf", "what its layer reflects more than once"},
+        {"glasses.gltf", "is glass of α = 0.022"},
         {"part-arealight.gltf", "chords replace curved outlines"},
         {"part-backlight.gltf", "chords replace curved outlines"},
         {"", "grow by"}}; /* true of every part before a backlight */
@@ -638,6 +704,8 @@ int main(void) {
         cmocka_unit_test(test_parts_of_metres),
         cmocka_unit_test(test_extras),
         cmocka_unit_test(test_curved_glass_of_flat_facets),
+        cmocka_unit_test(test_what_a_layer_lacks),
+        cmocka_unit_test(test_rough_glass),
         cmocka_unit_test(test_thin_pane_on_a_closed_mesh),
         cmocka_unit_test(test_chords_at_outlines),
         cmocka_unit_test(test_long_names),
