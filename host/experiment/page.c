@@ -156,7 +156,7 @@ static bool put_page(FILE *out, void *user) {
         if (!s->experiment->put_results)
             mcv_page_put_sets(out, page);
         else if (scene)
-            mcv_put_set_pictures(out, s, shown);
+            page->stopped = mcv_put_set_pictures(out, s, shown, page->error);
         mcv_page_put_assumed(out, page, scene);
         fputs("<footer><p>Scene ", out);
         mcv_html_text(out, s->experiment->rig);
@@ -176,7 +176,9 @@ mcv_result mcv_experiment_page(const mcv_sweep *sweep, mcv_error *error) {
     mcv_page *page = calloc(1, sizeof *page);
     if (!page) return mcv_fail(error, MCV_FAILED, "%s: no memory to write it", sweep->table.page);
     page->sweep = sweep;
-    const mcv_result result = mcv_html_write(sweep->table.page, put_page, page, error);
+    page->error = error;
+    mcv_result result = mcv_html_write(sweep->table.page, put_page, page, error);
+    if (result == MCV_OK) result = page->stopped;
     free(page);
     return result;
 }

@@ -13,7 +13,8 @@
 /*
  * Writes the page of the current rows to table.page. Pictures are those that the experiment keeps
  * (images). The date is today's, or that of the environment's SOURCE_DATE_EPOCH, so that equal
- * tables give equal pages.
+ * tables give equal pages. After an interruption the page is written without the pictures that it
+ * would render, and the interruption is the result.
  */
 mcv_result mcv_experiment_page(const mcv_sweep *sweep, mcv_error *error);
 

@@ -17,6 +17,8 @@ typedef struct mcv_page {
     mcv_page_name parameter_names[MCV_DESIGN_PARAMETERS], metric_names[MCV_METRICS];
     mcv_plots_axis axes[MCV_DESIGN_PARAMETERS];
     const char *names[MCV_METRICS];
+    mcv_result stopped; /* an interruption has left out the pictures: why, with its sentence */
+    mcv_error *error;
     mcv_plots plots; /* the table's rows in the units that are shown; its arrays are owned */
 } mcv_page;
 

@@ -42,9 +42,23 @@ mcv_result mcv_load_set(const mcv_sweep *s, const double *numbers, mcv_set_texts
     return load_set(s, numbers, texts, NULL, scene, error);
 }
 
-static mcv_result interrupted(const mcv_sweep *s) {
+mcv_result mcv_sweep_stopped(const mcv_sweep *s, mcv_error *error) {
     const mcv_sweep_calls *calls = &s->experiment->calls;
-    return calls->interrupted ? calls->interrupted(calls->user) : MCV_OK;
+    const mcv_result stopped = calls->interrupted ? calls->interrupted(calls->user) : MCV_OK;
+    if (stopped == MCV_OK) return MCV_OK;
+    if (!s->experiment->table)
+        return mcv_fail(error, stopped, "interrupted after %zu sets", s->table.row_count);
+    return mcv_fail(error, stopped, "interrupted: continue by %s; %zu rows are in %s",
+                    s->experiment->resume ? "the same command" : "--resume", s->table.row_count,
+                    s->table.path);
+}
+
+bool mcv_sweep_goes_on(void *user, double fraction, double seconds, double error) {
+    mcv_error ignored;
+    (void)fraction;
+    (void)seconds;
+    (void)error;
+    return mcv_sweep_stopped(user, &ignored) == MCV_OK;
 }
 
 /* The current set, for the callbacks of a render. */
@@ -58,10 +72,7 @@ typedef struct set_at_work {
 } set_at_work;
 
 static bool go_on(void *user, double fraction, double seconds, double error) {
-    (void)fraction;
-    (void)seconds;
-    (void)error;
-    return interrupted(((const set_at_work *)user)->sweep) == MCV_OK;
+    return mcv_sweep_goes_on((void *)((const set_at_work *)user)->sweep, fraction, seconds, error);
 }
 
 static bool is_enough(void *user, const mcv_film *film) {
@@ -129,8 +140,7 @@ static mcv_result measure(const mcv_sweep *s, const set_at_work *w, size_t set,
                           const mcv_film *film, const mcv_film *stepped, const mcv_set_texts texts,
                           double *row, mcv_error *error) {
     const mcv_table *table = &s->table;
-    const mcv_result stopped = interrupted(s);
-    if (stopped != MCV_OK) return mcv_fail(error, stopped, "interrupted");
+    MCV_TRY(mcv_sweep_stopped(s, error));
     row[mcv_row_fixed(table, MCV_ROW_SAMPLES)] = (double)(film->samples * film->replicates);
     row[mcv_row_fixed(table, MCV_ROW_ERROR)] = mcv_film_relative_error(film);
     MCV_TRY(keep_image(s, w, set, film, texts, error));
@@ -245,7 +255,7 @@ mcv_result mcv_run_set(mcv_sweep *s, size_t set, double *row, mcv_error *error) 
     for (size_t i = s->plan.count; i < table->columns; ++i) row[i] = NAN;
     row[mcv_row_fixed(table, MCV_ROW_SET)] = (double)set;
     mcv_result result = try_set(s, set, row, &why);
-    mcv_result stopped = interrupted(s);
+    mcv_result stopped = mcv_sweep_stopped(s, error);
     if (result == MCV_DEVICE && stopped == MCV_OK) {
         if (device_is_gone(s, &why))
             return mcv_fail(error, MCV_DEVICE,
@@ -253,13 +263,9 @@ mcv_result mcv_run_set(mcv_sweep *s, size_t set, double *row, mcv_error *error) 
                             "are kept, continue by --resume",
                             set, why.text, table->row_count);
         result = try_again(s, set, row, &why);
-        stopped = interrupted(s);
+        stopped = mcv_sweep_stopped(s, error);
     }
-    if (stopped != MCV_OK && !s->experiment->table)
-        return mcv_fail(error, stopped, "interrupted after %zu sets", table->row_count);
-    if (stopped != MCV_OK)
-        return mcv_fail(error, stopped, "interrupted: continue by --resume; %zu rows are in %s",
-                        table->row_count, table->path);
+    if (stopped != MCV_OK) return stopped;
     row[mcv_row_fixed(table, MCV_ROW_SECONDS)] = mcv_seconds() - begun;
     const char *message = result == MCV_OK ? NULL : why.text;
     for (char *c = why.text; *c; ++c)

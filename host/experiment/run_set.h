@@ -21,6 +21,13 @@ mcv_result mcv_set_sensor(const mcv_experiment *experiment, mcv_scene *scene, ui
 mcv_result mcv_set_image_path(const mcv_experiment *experiment, size_t set, char path[PATH_MAX],
                               mcv_error *error);
 
+/* MCV_OK, or the result with which the experiment's calls stop it, and a sentence that says how it
+ * continues. */
+mcv_result mcv_sweep_stopped(const mcv_sweep *sweep, mcv_error *error);
+
+/* As mcv_render_options.progress: `user` is a sweep, whose calls may stop the render. */
+bool mcv_sweep_goes_on(void *user, double fraction, double seconds, double error);
+
 /*
  * Renders and measures a set. row has room for MCV_ROW_MOST numbers and contains the set's
  * parameters. Fills in the others and appends the row to the table, with a message if the set
