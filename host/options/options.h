@@ -252,8 +252,9 @@ enum {
       "suggests; off: none, then caustics of lights without extent are missing") \
     X(count, seed, "seed", 0, "S", \
       MCV_IN_GREY | MCV_IN_COMPARE | MCV_IN_MATRICES | MCV_IN_EXPLAIN, "0", 0, UINT32_MAX, \
-      "seed of the noise; the same seed gives the same bits; with one seed, all images of a " \
-      "sequence have the same noise, renders with --adaptive off") \
+      "seed of the noise; the same seed gives the same bits; with one seed, the images of a " \
+      "sequence have the same noise; pictures of render have it only with --adaptive off, " \
+      "because each picks its samples otherwise") \
     X(count, depth, "depth", 0, "N", MCV_IN_EXPLAIN | MCV_IN_PATHS | MCV_IN_TRACE | MCV_IN_SCAN, \
       "32", 1, 1000000, "largest number of surfaces on a path") \
     X(size, resolution, "resolution", 0, "WxH", \

@@ -259,8 +259,9 @@ MCV_API mcv_result mcv_progress_save(const mcv_progress *progress, mcv_error *er
  * several. Options are those of `mcvisi render` without those that name files and those of the
  * camera; "checkpoint" names the file that the unfinished render is saved into, and "resume" goes
  * on with it. The picture has the parts "image" and "error" (its standard error), with {"parts":
- * "replicates"} also "replicate 0" …, with {"adaptive": true} also "samples". *stats: the summary
- * of `mcvisi render --json`.
+ * "replicates"} also "replicate 0" …, and where its sampling was adaptive also "samples". Two
+ * pictures of one seed have the same noise only with {"adaptive": "off"}. *stats: the summary of
+ * `mcvisi render --json`.
  *
  * Where progress returns false: MCV_INTERRUPTED, with *picture of the samples so far, or NULL where
  * there are none; it is to be freed as any other.
@@ -482,8 +483,8 @@ MCV_API mcv_result mcv_picture_compare(const mcv_picture *a, const mcv_picture *
 
 /*
  * How well a camera can tell the defect of the picture `with` from its noise: renders of one scene
- * with and without it, both with all their replicates ("parts": "replicates"). Options are those of
- * `mcvisi detect`. *visible (or NULL): a picture of |difference| in deviations of the noise.
+ * with and without it, both with all their replicates ("parts": "replicates"). With {"adaptive":
+ * "off"} and one seed most of their noise cancels. Options are those of `mcvisi detect`. *visible (or NULL): a picture of |difference| in deviations of the noise.
  * *report: {"detectability": {"value", "low", "high"}, "contrast", "found", "visible", …}.
  */
 MCV_API mcv_result mcv_picture_detect(const mcv_picture *with, const mcv_picture *without,

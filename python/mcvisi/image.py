@@ -192,7 +192,7 @@ class Image(ImageVerbs, Handle):
 
     @property
     def samples(self) -> "Optional[numpy.ndarray[Any, Any]]":
-        """The samples of each pixel of an adaptive render, a read-only view."""
+        """The samples of each pixel, a read-only view; None where all pixels have the same."""
         return self._part_or_none("samples")
 
     @property
