@@ -89,7 +89,8 @@ TRUTHS = {
     ),
     "T28": (
         "Gaussian beam through a lens",
-        "w^2 = (A w0)^2 + ((A L + B) M^2 lambda/(pi w0))^2 by the matrix of the lens and the way",
+        "w^2 = (A w0)^2 + ((A L + B) M^2 lambda/(pi w0))^2 by the matrix of the lens and the way; "
+        "s' - f = f^2 (s - f)/((s - f)^2 + zR^2)",
     ),
     "T29": (
         "speckle",
@@ -98,8 +99,8 @@ TRUTHS = {
     ),
     "T30": (
         "triangulation",
-        "P = C + d (n.(P0 - C))/(n.d); centroids of speckle: a spot's C lambda N/(sqrt2 pi), a "
-        "line's by the double integral",
+        "P = C + d (n.(P0 - C))/(n.d); centroids of speckle: a spot's C lambda N/(sqrt2 pi), of a "
+        "square pupil C lambda N/sqrt(8 pi), a line's by the double integral",
     ),
     "bias": (
         "device against reference",

@@ -84,9 +84,26 @@ static void test_biases(void **state) {
 }
 
 /*
+ * By how much a top of three pixels scatters more than to first order. It is a/b with the bend b =
+ * v_-1 - 2 v_0 + v_1, and 1/b² has the mean (1 + 3 e²)/b² where b scatters by e: a standard
+ * deviation of 1 + 3/2 e². e² is 2 % for photons of 10000, and terms in e⁴ are 0.1 %.
+ */
+static double second_order(int extractor, const float values[COUNT], int middle) {
+    double bend = 0, variance = 0;
+    if (extractor != MCV_LINE_PARABOLA && extractor != MCV_LINE_LOG_GAUSS) return 1;
+    for (int k = -1; k <= 1; ++k) {
+        const double weight = k ? 1 : -2, v = (double)values[middle + k];
+        const bool log_of = extractor == MCV_LINE_LOG_GAUSS;
+        bend += weight * (log_of ? log(v) : v);
+        variance += weight * weight * (log_of ? 1 / v : v);
+    }
+    return 1 + 1.5 * variance / (bend * bend);
+}
+
+/*
  * Photons of a line of 10000 and 1.5 pixels: the places' standard deviation is the stated
- * uncertainty. 4000 trials know it to 1.1 %. That of three pixels is too small by 2 %: their bend
- * scatters by 12 %, and the stated one is of first order. With 2.7 times 1.1 % this is 5 %.
+ * uncertainty, which is of first order, and what second_order says. 4000 trials know it to 1.1 %,
+ * of which 5 % are four and a half. Those seen are in docs/triangulation.md, rounded.
  */
 static void test_photons(void **state) {
     (void)state;
@@ -94,19 +111,23 @@ static void test_photons(void **state) {
     static const struct {
         int extractor;
         uint32_t window;
-    } cases[] = {{MCV_LINE_COG, 7},       {MCV_LINE_COG, 15},   {MCV_LINE_PARABOLA, 3},
-                 {MCV_LINE_LOG_GAUSS, 3}, {MCV_LINE_GAUSS, 15}, {MCV_LINE_BLAIS_RIOUX, 3},
-                 {MCV_LINE_STEGER, 15}};
+        double documented;
+    } cases[] = {{MCV_LINE_COG, 7, 0.014},      {MCV_LINE_COG, 23, 0.015},
+                 {MCV_LINE_PARABOLA, 3, 0.043}, {MCV_LINE_LOG_GAUSS, 3, 0.043},
+                 {MCV_LINE_GAUSS, 15, 0.019},   {MCV_LINE_BLAIS_RIOUX, 3, 0.021},
+                 {MCV_LINE_STEGER, 15, 0.017}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
         const mcv_line_settings settings = settings_of(cases[i].extractor, cases[i].window);
-        double sum = 0, squares = 0, stated = 0;
+        double sum = 0, squares = 0, stated = 0, more = 1;
         for (uint32_t trial = 0; trial < TRIALS; ++trial) {
             const double place = 20.3;
             float values[COUNT], deviations[COUNT];
             draw_line(place, 1.5, 1e4, values);
             for (int k = 0; k < COUNT; ++k) deviations[k] = sqrtf(values[k]);
-            if (trial == 0)
+            if (trial == 0) {
                 stated = mcv_line_find(&settings, values, deviations, COUNT, 1).uncertainty;
+                more = second_order(cases[i].extractor, values, (int)place);
+            }
             mcv_noise noise = mcv_noise_begin(7, trial, i);
             for (int k = 0; k < COUNT; ++k)
                 values[k] += deviations[k] * (float)mcv_noise_normal(&noise);
@@ -116,15 +137,19 @@ static void test_photons(void **state) {
             squares += (line.place - place) * (line.place - place);
         }
         const double seen = sqrt(squares / TRIALS - sum * sum / TRIALS / TRIALS);
-        print_message("extractor %d, %u pixels: %.4f, stated %.4f\n", cases[i].extractor,
-                      cases[i].window, seen, stated);
-        note_truth("T30 photons: places' deviation over the stated one", "program",
-                   fabs(seen / stated - 1), 0.05);
-        if (!(fabs(seen / stated - 1) <= 0.05))
-            fail_msg("extractor %d, %u pixels: %g, stated %g", cases[i].extractor, cases[i].window,
-                     seen, stated);
+        const double ratio = seen / (stated * more);
+        print_message("extractor %d, %u pixels: %.4f, stated %.4f, times %.3f (%+.1f %%)\n",
+                      cases[i].extractor, cases[i].window, seen, stated, more, 100 * (ratio - 1));
+        note_truth("T30 photons: places' deviation over the stated one", "program", fabs(ratio - 1),
+                   0.05);
+        if (!(fabs(ratio - 1) <= 0.05))
+            fail_msg("extractor %d, %u pixels: %g, stated %g times %g", cases[i].extractor,
+                     cases[i].window, seen, stated, more);
+        if (!(fabs(seen - cases[i].documented) <= 6e-4))
+            fail_msg("extractor %d, %u pixels: %g, documented %g", cases[i].extractor,
+                     cases[i].window, seen, cases[i].documented);
         /* A centre of gravity of all light: √((σ² + 1/12)/n). */
-        if (cases[i].window == 15 && cases[i].extractor == MCV_LINE_COG)
+        if (cases[i].window == 23)
             assert_true(fabs(stated / sqrt((2.25 + 1.0 / 12) / 1e4) - 1) <= 0.01);
     }
 }
@@ -214,6 +239,8 @@ static mcv_speckle speckle_of(double width, double height, uint32_t seed) {
                          .patterns = 1,
                          .seed = seed};
 }
+
+static const double grain_of_spots = 660e-9 * 8; /* λN of the stop */
 
 /* Sums of a place's deviations. */
 typedef struct spread {
@@ -440,16 +467,10 @@ static void add_spot(const float *light, uint32_t side, uint32_t width, spread *
     }
 }
 
-/*
- * The centre of gravity of Gaussian spots of 6 λN moves by 0.2251 C λN, whatever their width: the
- * coherence area 4/π (λN)² times ∫x²E²/(∫E)². The tail of |µ|², of which 0.2/r lies beyond r, and
- * the square of 4 sigma to each side take 1 to 2 % off. 720 spots have 1440 coordinates, which know
- * the deviation to 1.9 %.
- */
-static void test_speckle_of_a_spot(void **state) {
-    (void)state;
+/* The deviation of the centres of gravity of Gaussian spots of 6 grains by speckle, in grains. */
+static double deviation_of_spots(mcv_speckle speckle) {
     enum { SPOTS = 3, STEPS = 3, SIDE = 48 * STEPS, WIDTH = SPOTS * SIDE, SEEDS = 80 };
-    const double grain = 660e-9 * 8, sigma = 6 * STEPS;
+    const double sigma = 6 * STEPS;
     float *laser = malloc(sizeof *laser * WIDTH * WIDTH),
           *light = malloc(sizeof *light * WIDTH * WIDTH);
     spread spots = {0, 0, 0};
@@ -459,8 +480,8 @@ static void test_speckle_of_a_spot(void **state) {
                      y = (i / WIDTH % SIDE + 0.5 - SIDE / 2.0) / sigma;
         laser[i] = (float)exp(-(x * x + y * y) / 2);
     }
-    for (uint32_t seed = 1; seed <= SEEDS; ++seed) {
-        const mcv_speckle speckle = speckle_of(grain / STEPS, grain / STEPS, seed);
+    speckle.pitch[0] = speckle.pitch[1] = grain_of_spots / STEPS;
+    for (speckle.seed = 1; speckle.seed <= SEEDS; ++speckle.seed) {
         memcpy(light, laser, sizeof *light * WIDTH * WIDTH);
         BUILD(mcv_speckle_add(&speckle, laser, 1, WIDTH, WIDTH, light, &builder_error));
         for (int i = 0; i < SPOTS * SPOTS; ++i)
@@ -468,11 +489,35 @@ static void test_speckle_of_a_spot(void **state) {
     }
     free(laser);
     free(light);
-    const double seen = deviation(&spots) / STEPS, expected = 1 / (M_SQRT2 * M_PI);
-    print_message("a spot: %.4f grains, expected %.4f (%+.1f %%)\n", seen, expected,
-                  100 * (seen / expected - 1));
-    note_truth("T30 speckle: centroid of a spot", "program", fabs(seen / expected - 1), 0.05);
-    if (!(fabs(seen / expected - 1) <= 0.05)) fail_msg("%g grains, expected %g", seen, expected);
+    return deviation(&spots) / STEPS;
+}
+
+/*
+ * The centre of gravity of a Gaussian spot moves by C √(A/(8π)), whatever its width: A is the
+ * coherence area ∫|µ|², and 1/(8π) is ∫x²E²/(∫E)². For a disc A = 4/π (λN)²: 0.2251 λN; for a
+ * square (λN)²: 0.1995 λN, N by its side, √2 times that of the disc about it. Spots of 6 grains cut
+ * |µ|²'s tail off: by the double integral, 2.3 % less for both. 720 spots have 1440 coordinates,
+ * which know the deviation to 1.9 %.
+ */
+static void test_speckle_of_a_spot(void **state) {
+    (void)state;
+    for (int square = 0; square < 2; ++square) {
+        mcv_speckle speckle = speckle_of(0, 0, 0);
+        if (square) {
+            speckle.aperture = (mcv_aperture_shape){
+                .shape = MCV_APERTURE_BLADES, .blades = 4, .rotation = M_PI / 4};
+            speckle.f_number /= M_SQRT2;
+        }
+        const double seen = deviation_of_spots(speckle),
+                     expected = sqrt((square ? 1 : 4 / M_PI) / (8 * M_PI));
+        print_message("a spot, %s: %.4f grains, expected %.4f (%+.1f %%)\n",
+                      square ? "square" : "disc", seen, expected, 100 * (seen / expected - 1));
+        note_truth(square ? "T30 speckle: centroid of a spot, square pupil"
+                          : "T30 speckle: centroid of a spot",
+                   "program", fabs(seen / expected - 1), 0.05);
+        if (!(fabs(seen / expected - 1) <= 0.05))
+            fail_msg("square %d: %g grains, expected %g", square, seen, expected);
+    }
 }
 
 /* --- what is seen --- */
