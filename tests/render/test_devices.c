@@ -96,10 +96,10 @@ static void take_warning(void *user, const char *sentence) {
     snprintf(warned, sizeof warned, "%s", sentence);
 }
 
-/* Light paths: glass before a lamp. Without: the same program, but for those. */
+/* Light paths: a mirror ball below a lamp. Without: the same program, but for those. */
 static mcv_scene *make_scene(void) {
     mcv_scene *s = mcv_scene_new("devices");
-    add_sphere(s, 0.3, 16, add_glass(s, 1.5, 1, 0), mcv_transform_identity());
+    add_sphere(s, 0.3, 16, add_material(s, MCV_MATERIAL_MIRROR, NULL), mcv_transform_identity());
     add_rectangle(s, 2, 2, add_diffuse(s, 0.6), looking_up_z(0, 0, -0.5));
     add_emitter(s, MCV_EMITTER_AREA,
                 add_rectangle(s, 0.3, 0.3, add_absorber(s), looking_down_z(0.4, 0.4, 1)), 3, 0);
