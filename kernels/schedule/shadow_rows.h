@@ -71,6 +71,24 @@ MCV_BATCH uint mcv_count_lit(uint *paths, uint first, uint last, int any, mcv_hi
 }
 #endif
 
+#if MCV_WITH_TARGET_IMAGES
+/* mcv_apply_target_image of those listed paths whose shadow rays have hit their target. */
+MCV_BATCH void mcv_apply_target_images(mcv_world world, uint *paths, const uint *listed, uint count,
+                                       mcv_hits hits) {
+    uint flags[MCV_SLOTS], chosen[MCV_SLOTS];
+    MCV_VECTORIZE
+    for (uint i = 0; i < count; ++i)
+        flags[i] = (mcv_hit_of(hits, listed[i]).t > -INFINITY) &
+                   mcv_target_has_image(world, mcv_slot_at(paths, listed[i]));
+    const uint chosen_count = mcv_compact_row(flags, listed, count, chosen);
+#if !MCV_WITH_RECORDS
+    MCV_VECTORIZE_MASKED
+#endif
+    for (uint i = 0; i < chosen_count; ++i)
+        mcv_apply_target_image(world, mcv_slot_at(paths, chosen[i]), mcv_hit_of(hits, chosen[i]));
+}
+#endif
+
 /* Adds the light of the shadow rays that arrive: where any hit blocks they have none, else they
  * have hit their target. */
 MCV_BATCH void mcv_add_shadow_lights(mcv_world world, uint *paths, uint first, uint last, int any,
@@ -79,7 +97,7 @@ MCV_BATCH void mcv_add_shadow_lights(mcv_world world, uint *paths, uint first, u
 #if MCV_WITH_RECORDS
     place = mcv_reserve_records(world, mcv_count_lit(paths, first, last, any, hits));
 #endif
-#if !((MCV_WITH_PARALLEL || MCV_WITH_BEAM) && MCV_WITH_TEXTURE) && !MCV_WITH_RECORDS
+#if !MCV_WITH_RECORDS
     MCV_VECTORIZE
 #endif
     MCV_EACH_PATH (slot, paths, first, first + mcv_fill_lanes(last - first)) {
@@ -126,6 +144,9 @@ static void mcv_intersect_shadows(mcv_world world, uint *paths, const uint *list
         for (uint i = 0; i < chosen_count && !any; ++i)
             if (!mcv_hits_target(world, mcv_slot_at(paths, chosen[i]), mcv_hit_of(hits, chosen[i])))
                 hits.t[chosen[i]] = as_uint(-INFINITY);
+#if MCV_WITH_TARGET_IMAGES
+        if (!any) mcv_apply_target_images(world, paths, chosen, chosen_count, hits);
+#endif
         mcv_add_shadow_lights(world, paths, first, last, any, hits);
     }
 }

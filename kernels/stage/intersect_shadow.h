@@ -12,29 +12,44 @@
 #include "light/emitter_element.h"
 #include "stage/record_light.h"
 
-/* The light of the emitter at the hit arrives, if it is lit; a ray that ends at the emitter's point
- * has no triangle. `place`: reserved for its record, if it is lit. */
+/* Whether shadow rays may have to meet their emitter. */
+#define MCV_WITH_TARGETS (MCV_WITH_PARALLEL || MCV_WITH_BEAM)
+
+/* What comes along a cone's or a beam's direction depends on where it is met. */
+#define MCV_WITH_TARGET_IMAGES (MCV_WITH_TARGETS && MCV_WITH_TEXTURE)
+
+#if MCV_WITH_TARGET_IMAGES
+/* Whether the target of the shadow ray sends an image. */
+MCV_LOOP_FUNCTION int mcv_target_has_image(mcv_world world, mcv_slot slot) {
+    const uint emitter = world.instances[MCV_WORD(slot, shadow_target, 0)].emitter;
+    return world.emitters[emitter].texture != MCV_NONE;
+}
+
+/* The image of the target modulates the light of the shadow ray, which has hit it there. */
+MCV_LOOP_FUNCTION void mcv_apply_target_image(mcv_world world, mcv_slot slot, mcv_hit hit) {
+    const mcv_surface there = mcv_surface_at(world, hit.primitive, hit.u, hit.v);
+    const uint emitter = world.instances[there.instance].emitter;
+    /* An image whose pixels are told apart is white (host/transport/white.h). */
+    if (MCV_WITH_RECORDS && world.emitters[emitter].emitter_element_width > 0u) {
+        MCV_WORD(slot, shadow_emitter_element, 0) = mcv_emitter_element_of(
+            world, emitter, there,
+            mcv_scale(mcv_normalize(MCV_LOAD_3(slot, shadow_direction)), -1.0f));
+        return;
+    }
+    mcv_color light;
+    MCV_LOAD_COLOR(slot, shadow_light, light);
+    light = mcv_tint(light, mcv_texture_at(world, there, world.emitters[emitter].texture));
+    MCV_STORE_COLOR(slot, shadow_light, light);
+}
+#endif
+
+/* The light of the shadow ray arrives, if it is lit; a ray that ends at the emitter's point has no
+ * triangle. `place`: reserved for its record, if it is lit. */
 MCV_LOOP_FUNCTION void mcv_add_shadow_light(mcv_world world, mcv_slot slot, mcv_hit hit, int lit,
                                             uint place) {
     mcv_color light;
     mcv_color radiance;
-    uint emitter_element = MCV_WITH_RECORDS ? MCV_WORD(slot, shadow_emitter_element, 0) : 0u;
     MCV_LOAD_COLOR(slot, shadow_light, light);
-#if (MCV_WITH_PARALLEL || MCV_WITH_BEAM) && MCV_WITH_TEXTURE
-    /* What comes along a cone's or a beam's direction depends on where it was met. */
-    if (lit && hit.primitive != MCV_NONE) {
-        const mcv_surface there = mcv_surface_at(world, hit.primitive, hit.u, hit.v);
-        const uint emitter = world.instances[there.instance].emitter,
-                   texture = world.emitters[emitter].texture;
-        /* An image whose pixels are told apart is white (host/transport/white.h). */
-        if (MCV_WITH_RECORDS && world.emitters[emitter].emitter_element_width > 0u)
-            emitter_element = mcv_emitter_element_of(
-                world, emitter, there,
-                mcv_scale(mcv_normalize(MCV_LOAD_3(slot, shadow_direction)), -1.0f));
-        else if (texture != MCV_NONE)
-            light = mcv_tint(light, mcv_texture_at(world, there, texture));
-    }
-#endif
     if (MCV_WITH_ABSORPTION) {
         const mcv_vec3 direction = MCV_LOAD_3(slot, shadow_direction);
         const uint media = MCV_CROSSES ? MCV_WORD(slot, shadow_media, 0) : MCV_WORD(slot, media, 0);
@@ -44,11 +59,9 @@ MCV_LOOP_FUNCTION void mcv_add_shadow_light(mcv_world world, mcv_slot slot, mcv_
     MCV_LOAD_COLOR(slot, radiance, radiance);
     MCV_EACH_CHANNEL(i) radiance.c[i] = lit ? radiance.c[i] + light.c[i] : radiance.c[i];
     MCV_STORE_COLOR(slot, radiance, radiance);
-    if (MCV_WITH_RECORDS && lit) mcv_record_at(world, slot, place, emitter_element, light);
+    if (MCV_WITH_RECORDS && lit)
+        mcv_record_at(world, slot, place, MCV_WORD(slot, shadow_emitter_element, 0), light);
 }
-
-/* Whether shadow rays may have to meet their emitter. */
-#define MCV_WITH_TARGETS (MCV_WITH_PARALLEL || MCV_WITH_BEAM)
 
 /* A ray without target ends at the emitter's point, t = 1, or nowhere; one with a target must meet
  * it first. MCV_SKY and MCV_NONE are the two largest numbers: neither is an instance. */
@@ -106,7 +119,11 @@ MCV_FUNCTION void mcv_intersect_shadow(mcv_world world, mcv_slot slot) {
             mcv_shadow_past_moving(
                 world, slot,
                 mcv_intersect_closest_ray(world.nodes, world.leaves, origin, direction, INFINITY)));
-        if (mcv_hits_target(world, slot, hit)) mcv_add_single_light(world, slot, hit);
+        if (!mcv_hits_target(world, slot, hit)) return;
+#if MCV_WITH_TARGET_IMAGES
+        if (mcv_target_has_image(world, slot)) mcv_apply_target_image(world, slot, hit);
+#endif
+        mcv_add_single_light(world, slot, hit);
     }
 }
 
