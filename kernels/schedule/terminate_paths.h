@@ -34,14 +34,36 @@ MCV_BATCH uint mcv_set_apart(const uint *paths, const uint *classes, uint class,
 #define MCV_MISS_END MCV_PATH_density
 #endif
 
+#if MCV_WITH_RECORDS && (MCV_WITH_ENVIRONMENT || MCV_WITH_ENVIRONMENT_IMAGE)
+/* mcv_shade_miss of all. Records are written one by one, after a loop that the compiler makes a
+ * vector one. */
+MCV_BATCH void mcv_shade_recorded_misses(mcv_world world, uint *apart, uint count) {
+    float lights[MCV_CHANNELS * MCV_SLOTS];
+    MCV_VECTORIZE
+    MCV_EACH_PATH (slot, apart, 0, count) {
+        const mcv_color light = mcv_miss_radiance(world, slot),
+                        arriving = mcv_tint(mcv_path_throughput(slot), light);
+        mcv_add_unrecorded_radiance(slot, light);
+        MCV_EACH_CHANNEL(c) lights[c * MCV_SLOTS + slot.index] = arriving.c[c];
+    }
+    uint place = mcv_reserve_records(world, count);
+    MCV_EACH_PATH (slot, apart, 0, count) {
+        mcv_color arriving;
+        MCV_EACH_CHANNEL(c) arriving.c[c] = lights[c * MCV_SLOTS + slot.index];
+        mcv_record_at(world, slot, place++, mcv_environment_element(world), arriving);
+    }
+}
+#endif
+
 /* Ends the paths that have met nothing. */
 MCV_BATCH uint mcv_shade_misses(mcv_world world, uint *apart, uint count, float *values) {
     uint nonfinite = 0;
-#if !MCV_WITH_RECORDS
-    MCV_VECTORIZE
+#if MCV_WITH_RECORDS && (MCV_WITH_ENVIRONMENT || MCV_WITH_ENVIRONMENT_IMAGE)
+    mcv_shade_recorded_misses(world, apart, count);
 #endif
+    MCV_VECTORIZE
     MCV_EACH_PATH (slot, apart, 0, count) {
-        mcv_shade_miss(world, slot);
+        if (!MCV_WITH_RECORDS) mcv_shade_miss(world, slot);
         nonfinite += mcv_terminate_path(world, slot, values);
     }
     return nonfinite;

@@ -33,14 +33,20 @@ MCV_LOOP_FUNCTION float mcv_density_against(mcv_world world, mcv_slot slot, uint
     return density > 0.0f ? against : density;
 }
 
-/* Adds light, L/n², that arrives along the path from an element. */
-MCV_LOOP_FUNCTION void mcv_add_radiance(mcv_world world, mcv_slot slot, mcv_color light,
-                                        uint emitter_element) {
+/* Adds light, L/n², that arrives along the path. */
+MCV_LOOP_FUNCTION void mcv_add_unrecorded_radiance(mcv_slot slot, mcv_color light) {
     const mcv_color throughput = mcv_path_throughput(slot);
     MCV_EACH_CHANNEL(i)
     MCV_STORE(slot, radiance, i, mcv_fma(throughput.c[i], light.c[i], MCV_LOAD(slot, radiance, i)));
+}
+
+/* The same, with a record. */
+MCV_LOOP_FUNCTION void mcv_add_radiance(mcv_world world, mcv_slot slot, mcv_color light,
+                                        uint emitter_element) {
+    mcv_add_unrecorded_radiance(slot, light);
     if (MCV_WITH_RECORDS)
-        mcv_record_radiance(world, slot, emitter_element, mcv_tint(throughput, light));
+        mcv_record_radiance(world, slot, emitter_element,
+                            mcv_tint(mcv_path_throughput(slot), light));
 }
 
 #if MCV_WITH_EMISSION
@@ -96,16 +102,19 @@ static void mcv_shade_emitter_hit(mcv_world world, mcv_slot slot, mcv_interactio
 }
 #endif
 
-/* A ray that leaves the scene sees the environment. */
-MCV_LOOP_FUNCTION void mcv_shade_miss(mcv_world world, mcv_slot slot) {
-    if (!(MCV_WITH_ENVIRONMENT || MCV_WITH_ENVIRONMENT_IMAGE)) return;
+/* What a ray that leaves the scene sees of the environment. */
+MCV_LOOP_FUNCTION mcv_color mcv_miss_radiance(mcv_world world, mcv_slot slot) {
     float density = mcv_path_density(slot);
     world = mcv_disperse(world, slot);
     if (MCV_WITH_ENVIRONMENT_IMAGE)
         density = mcv_density_against(world, slot, world.frame->environment_emitter, density);
-    const mcv_color seen =
-        mcv_environment_seen(world, MCV_LOAD_3(slot, direction), mcv_path_media(slot), density);
-    mcv_add_radiance(world, slot, seen, mcv_environment_element(world));
+    return mcv_environment_seen(world, MCV_LOAD_3(slot, direction), mcv_path_media(slot), density);
+}
+
+/* A ray that leaves the scene. */
+MCV_LOOP_FUNCTION void mcv_shade_miss(mcv_world world, mcv_slot slot) {
+    if (!(MCV_WITH_ENVIRONMENT || MCV_WITH_ENVIRONMENT_IMAGE)) return;
+    mcv_add_radiance(world, slot, mcv_miss_radiance(world, slot), mcv_environment_element(world));
 }
 
 #endif
