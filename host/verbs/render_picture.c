@@ -91,6 +91,19 @@ static mcv_attribute number_attribute(const char *name, double number) {
     return (mcv_attribute){.name = name, .numbers = {number}, .count = 1};
 }
 
+/* The cells of an aperture's mask. */
+static mcv_result add_mask(const mcv_sensor *sensor, mcv_exr *exr, mcv_error *error) {
+    bool has_mask;
+    char *mask = mcv_header_mask(sensor, &has_mask);
+    const mcv_attribute cells = text_attribute(MCV_PICTURE_MASK, mask);
+    const mcv_result masked = mask ? mcv_exr_set_attributes(exr, &cells, 1, error)
+                              : has_mask
+                                  ? mcv_fail(error, MCV_FAILED, "no memory for an image's header")
+                                  : MCV_OK;
+    free(mask);
+    return masked;
+}
+
 static mcv_result add_attributes(const mcv_rendered *r, mcv_exr *exr, const char *set,
                                  mcv_error *error) {
     static const char *const precisions[] = {"single", "mixed", "double"};
@@ -140,15 +153,7 @@ static mcv_result add_attributes(const mcv_rendered *r, mcv_exr *exr, const char
     if (is_laser_lit) MCV_TRY(mcv_exr_set_attributes(exr, of_laser, 2, error));
     if (r->identity[0]) MCV_TRY(mcv_exr_set_attributes(exr, &render, 1, error));
     if (stats->interrupted) MCV_TRY(mcv_exr_set_attributes(exr, &interrupted, 1, error));
-    bool has_mask;
-    char *mask = mcv_header_mask(sensor, &has_mask);
-    const mcv_attribute cells = text_attribute(MCV_PICTURE_MASK, mask);
-    const mcv_result masked = mask ? mcv_exr_set_attributes(exr, &cells, 1, error)
-                              : has_mask
-                                  ? mcv_fail(error, MCV_FAILED, "no memory for an image's header")
-                                  : MCV_OK;
-    free(mask);
-    MCV_TRY(masked);
+    MCV_TRY(add_mask(sensor, exr, error));
     const uint32_t count = mcv_header_attributes(sensor, parameters, names);
     return mcv_exr_set_attributes(exr, parameters, count, error);
 }
