@@ -484,7 +484,8 @@ MCV_API mcv_result mcv_picture_compare(const mcv_picture *a, const mcv_picture *
 /*
  * How well a camera can tell the defect of the picture `with` from its noise: renders of one scene
  * with and without it, both with all their replicates ("parts": "replicates"). With {"adaptive":
- * "off"} and one seed most of their noise cancels. Options are those of `mcvisi detect`. *visible (or NULL): a picture of |difference| in deviations of the noise.
+ * "off"} and one seed most of their noise cancels. Options are those of `mcvisi detect`.
+ * *visible (or NULL): a picture of |difference| in deviations of the noise.
  * *report: {"detectability": {"value", "low", "high"}, "contrast", "found", "visible", …}.
  */
 MCV_API mcv_result mcv_picture_detect(const mcv_picture *with, const mcv_picture *without,

@@ -205,6 +205,24 @@ static void refuse_sequences(const mcv_transport *transport) {
               mcv_transport_sequence(transport, wrong[i][0], NULL, 0, &count, NULL, &error));
 }
 
+/* A camera in the dark: the matrix would have no column. */
+static void refuse_dark(mcv_session *session) {
+    mcv_transport *transport = NULL;
+    mcv_rig *rig = open_text(
+        "transport-dark.gltf",
+        "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],"
+        "\"extensionsUsed\":[\"MCVISI_sensors\"],\"extensions\":{\"MCVISI_sensors\":{\"sensors\":"
+        "[{\"name\":\"cam\",\"type\":\"telecentric\",\"magnification\":1,\"workingDistance\":0.1,"
+        "\"fNumber\":8,\"resolution\":[8,8],\"pixelSize\":5e-5}]}},\"nodes\":[{\"name\":\"cam\","
+        "\"extensions\":{\"MCVISI_sensors\":{\"sensor\":0}}}]}");
+    FAILS(MCV_BAD_INPUT, "transport-dark.gltf: the scene has no emitter",
+          mcv_session_transport(session, rig, "{\"output\": \"dark.npz\"}", NULL, NULL, &transport,
+                                NULL, &error));
+    assert_null(transport);
+    assert_true(access("dark.npz", F_OK) != 0);
+    mcv_rig_free(rig);
+}
+
 static void refuse(mcv_session *session, const mcv_rig *rig) {
     mcv_transport *transport = NULL;
     mcv_picture *picture = NULL;
@@ -253,6 +271,7 @@ static void test_pattern_of_a_scene(void **state) {
     check_relit(session, rig);
     check_sequence(session, rig);
     refuse(session, rig);
+    refuse_dark(session);
     mcv_rig_free(rig);
     mcv_session_close(session);
 }
