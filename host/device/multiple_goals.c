@@ -7,42 +7,44 @@
 
 static const double pi = 3.14159265358979323846;
 
-double mcv_goal_entry(const mcv_goals *goals, double half, double sum) {
-    return (goals->turns - 1) * (double)mcv_interface_turn((float)half,
-                                                           (float)sqrt(fmax(1 - half * half, 0)),
-                                                           (float)sum + MCV_MULTIPLE_LEAST);
+double mcv_goal_entry(double half, double sum) {
+    return (MCV_GOAL_TURNS - 1) * (double)mcv_interface_turn((float)half,
+                                                             (float)sqrt(fmax(1 - half * half, 0)),
+                                                             (float)sum + MCV_MULTIPLE_LEAST);
 }
 
 /* The |cos φ/2| of an entry, by bisection. */
-static double half_of(const mcv_goals *goals, uint32_t entry, double sum) {
+static double half_of(uint32_t entry, double sum) {
     double low = 0, high = 1;
-    for (int round = 0; round < 24 && entry < goals->turns - 1; ++round) {
+    for (int round = 0; round < 24 && entry < MCV_GOAL_TURNS - 1; ++round) {
         const double half = 0.5 * (low + high);
-        *(mcv_goal_entry(goals, half, sum) < entry ? &low : &high) = half;
+        *(mcv_goal_entry(half, sum) < entry ? &low : &high) = half;
     }
     return high;
 }
 
-void mcv_goals_fill(double alpha, uint32_t nodes, uint32_t turns, mcv_goals *goals) {
+void mcv_goals_fill(double alpha, uint32_t nodes, mcv_goals *goals) {
+    enum { TURNS = MCV_GOAL_TURNS };
     goals->nodes = nodes;
-    goals->turns = turns;
     for (uint32_t k = 0; k < nodes; ++k) {
         const double cosine = mcv_multiple_cosine(k, nodes);
         goals->node[k] =
             (mcv_goal_node){cosine, sqrt(1 - cosine * cosine), mcv_smith(alpha, cosine)};
     }
-    for (uint32_t k = 0; k < nodes * nodes * turns; ++k) {
-        const uint32_t row = k / (nodes * turns), column = k / turns % nodes, turn = k % turns;
-        const double half =
-                         half_of(goals, turn, goals->node[row].cosine + goals->node[column].cosine),
+    for (uint32_t k = 0; k < nodes * nodes * TURNS; ++k) {
+        const uint32_t row = k / (nodes * TURNS), column = k / TURNS % nodes, turn = k % TURNS;
+        const double half = half_of(turn, goals->node[row].cosine + goals->node[column].cosine),
                      c = 2 * half * half - 1;
         goals->x[row][column][turn] = (float)(goals->node[column].sine * c);
         goals->y[row][column][turn] = (float)(goals->node[column].sine * sqrt(fmax(1 - c * c, 0)));
     }
 }
 
+/* Into each of the functions below that differ by their instructions alone. */
+#define INLINED static inline __attribute__((always_inline))
+
 /* By Fresnel's equations, as one quotient. */
-static inline float reflectance(float eta, float scale, float offset, float c) {
+INLINED float reflectance(float eta, float scale, float offset, float c) {
     const float squared = 1 - eta * eta * (1 - c * c), c2 = sqrtf(squared > 0 ? squared : 0);
     const float s = eta * c + c2, p = c + eta * c2, s_less = eta * c - c2, p_less = c - eta * c2;
     const float sum = s_less * s_less * (p * p) + p_less * p_less * (s * s);
@@ -55,8 +57,9 @@ float mcv_facet_reflects(const mcv_facet_interface *at, int side, float c) {
                        (float)at->offset[side], c);
 }
 
-void mcv_facet_send(const mcv_facet_interface *at, const mcv_goals *goals, int start, uint32_t row,
-                    const mcv_facet_light *light, mcv_goal_sums sums) {
+/* The number of turns is known to the compiler, which makes vectors of them. */
+INLINED void send(const mcv_facet_interface *at, const mcv_goals *goals, int start, uint32_t row,
+                  const mcv_facet_light *light, mcv_goal_sums sums) {
     const int own = start ^ light->side;
     const float x = (float)light->back[0], y = (float)light->back[1], z = (float)light->back[2];
     const float n1 = (float)at->n[own], n2 = (float)at->n[!own], eta = n1 / n2;
@@ -71,7 +74,7 @@ void mcv_facet_send(const mcv_facet_interface *at, const mcv_goals *goals, int s
             const float cosine = (float)goals->node[column].cosine, g_z = passes ? -cosine : cosine,
                         h_z = a * z + b * g_z, sign = h_z < 0 ? -1.0F : 1.0F;
             float sent[MCV_GOAL_TURNS];
-            for (uint32_t turn = 0; turn < goals->turns; ++turn) {
+            for (uint32_t turn = 0; turn < MCV_GOAL_TURNS; ++turn) {
                 const float h_x = a * x + b * gx[turn], h_y = a * y + b * gy[turn];
                 const float across = h_x * h_x + h_y * h_y, squared = across + h_z * h_z;
                 /* Cosines of both directions to the microfacet, times the length of h. */
@@ -85,7 +88,27 @@ void mcv_facet_send(const mcv_facet_interface *at, const mcv_goals *goals, int s
                 sent[turn] =
                     meets ? here * (passes ? 1 - share : share) * lobe / (t * t + lobe * there) : 0;
             }
-            for (uint32_t turn = 0; turn < goals->turns; ++turn)
+            for (uint32_t turn = 0; turn < MCV_GOAL_TURNS; ++turn)
                 sums[light->side ^ passes][column][turn] += (double)sent[turn];
         }
+}
+
+#if defined(__x86_64__)
+/* Eight turns at once take two thirds of the time of four. No FMA: the bits are the same. */
+__attribute__((target("avx2"))) static void
+send_by_eight(const mcv_facet_interface *at, const mcv_goals *goals, int start, uint32_t row,
+              const mcv_facet_light *light, mcv_goal_sums sums) {
+    send(at, goals, start, row, light, sums);
+}
+#endif
+
+void mcv_facet_send(const mcv_facet_interface *at, const mcv_goals *goals, int start, uint32_t row,
+                    const mcv_facet_light *light, mcv_goal_sums sums) {
+#if defined(__x86_64__)
+    if (__builtin_cpu_supports("avx2")) {
+        send_by_eight(at, goals, start, row, light, sums);
+        return;
+    }
+#endif
+    send(at, goals, start, row, light, sums);
 }

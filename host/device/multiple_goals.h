@@ -20,10 +20,9 @@ typedef struct mcv_goal_node {
     double cosine, sine, lambda;
 } mcv_goal_node;
 
-/* Directions of a table: nodes on the axis of cosines, turns on the axis of azimuths. x, y: the
- * column's direction, of a row. */
+/* Directions of a table: nodes on the axis of cosines. x, y: the column's direction, of a row. */
 typedef struct mcv_goals {
-    uint32_t nodes, turns;
+    uint32_t nodes;
     mcv_goal_node node[MCV_GOAL_NODES];
     float x[MCV_GOAL_NODES][MCV_GOAL_NODES][MCV_GOAL_TURNS],
         y[MCV_GOAL_NODES][MCV_GOAL_NODES][MCV_GOAL_TURNS];
@@ -44,11 +43,11 @@ typedef struct mcv_facet_light {
     float here[2][MCV_GOAL_NODES], there[2][MCV_GOAL_NODES];
 } mcv_facet_light;
 
-/* Grids of nodes x nodes x turns directions. */
-void mcv_goals_fill(double alpha, uint32_t nodes, uint32_t turns, mcv_goals *goals);
+/* Grids of nodes x nodes x MCV_GOAL_TURNS directions. */
+void mcv_goals_fill(double alpha, uint32_t nodes, mcv_goals *goals);
 
 /* The entry of the angle between two azimuths, by |cos φ/2| and the sum of the cosines. */
-double mcv_goal_entry(const mcv_goals *goals, double half, double sum);
+double mcv_goal_entry(double half, double sum);
 
 /* The share that a microfacet reflects of light from one side at a cosine; eta = n1/n2. */
 float mcv_facet_reflects(const mcv_facet_interface *at, int side, float c);

@@ -81,9 +81,9 @@ static void follow_near(const surface *s, const double *roots, uint32_t row,
                      half = across > 0 ? sqrt(fmax(0.5 + 0.5 * w[0] / across, 0)) : 1;
         const double kept = 4 * v * v * v * (1 + from->lambda) /
                             (1 + from->lambda + mcv_smith(alpha, z)) / (RADII * ANGLES);
-        add_between(
-            roots + (size_t)row * NODES * TURNS, between(mcv_multiple_place(z, NODES), NODES),
-            between(mcv_goal_entry(&s->goals, half, from->cosine + z), TURNS), kept, columns);
+        add_between(roots + (size_t)row * NODES * TURNS,
+                    between(mcv_multiple_place(z, NODES), NODES),
+                    between(mcv_goal_entry(half, from->cosine + z), TURNS), kept, columns);
     }
 }
 
@@ -101,8 +101,7 @@ static void follow_far(const surface *s, const double *roots, uint32_t row, doub
         for (int turn = 0; turn < ANGLES; ++turn) {
             const double half = fabs(cos(0.5 * pi * (turn + 0.5) / ANGLES));
             add_between(roots + (size_t)row * NODES * TURNS, column,
-                        between(mcv_goal_entry(&s->goals, half, from->cosine + z), TURNS), weight,
-                        columns);
+                        between(mcv_goal_entry(half, from->cosine + z), TURNS), weight, columns);
         }
         low = next;
     }
@@ -250,8 +249,8 @@ static void prepare(surface *s, double alpha, double n_outside, double n_inside,
     for (int side = 0; side < 2; ++side)
         mcv_coat(coating, s->at.n[side] / s->at.n[!side], 1, &s->at.scale[side],
                  &s->at.offset[side]);
-    mcv_goals_fill(alpha, NODES, TURNS, &s->goals);
-    mcv_goals_fill(alpha, alpha < narrow ? NARROW_WALK_NODES : WALK_NODES, TURNS, &s->walk_goals);
+    mcv_goals_fill(alpha, NODES, &s->goals);
+    mcv_goals_fill(alpha, alpha < narrow ? NARROW_WALK_NODES : WALK_NODES, &s->walk_goals);
 }
 
 bool mcv_multiple_interface(double alpha, double n_outside, double n_inside, double coating,
