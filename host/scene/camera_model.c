@@ -7,6 +7,7 @@
 #include "scene/sensors.h"
 #include "scene/transform.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -210,6 +211,19 @@ static uint32_t count_named(const mcv_camera_model *model, const char *name, boo
     return count;
 }
 
+/* The names of few nodes, as ": part, camera"; "" for more than fit. */
+static void list_nodes(const mcv_camera_model *model, char text[160]) {
+    size_t length = 0;
+    for (uint32_t i = 0; i < model->node_count; ++i) {
+        const int more =
+            snprintf(text + length, 160 - length, "%s%s", i ? ", " : ": ", model->nodes[i].name);
+        length += (size_t)(more > 0 ? more : 0);
+        if (length < 160) continue;
+        *text = '\0';
+        return;
+    }
+}
+
 mcv_result mcv_camera_model_node(const mcv_camera_model *model, const char *name, const char *what,
                                  const mcv_placement **frame, mcv_error *error) {
     const uint32_t rigs = count_named(model, name, false, frame),
@@ -226,8 +240,10 @@ mcv_result mcv_camera_model_node(const mcv_camera_model *model, const char *name
     if (nearest)
         return mcv_fail(error, MCV_USAGE, "%s: there is no node \"%s\"; did you mean \"%s\"?", what,
                         name, nearest);
+    char list[160] = "";
+    list_nodes(model, list);
     return mcv_fail(error, MCV_USAGE, "%s: there is no node \"%s\" among the %u that it names%s",
                     what, name, model->node_count,
                     model->node_count == MCV_CAMERA_MODEL_NODES ? ": give --scene, which has all"
-                                                                : "");
+                                                                : list);
 }

@@ -401,6 +401,15 @@ static void test_nodes_by_name(void **state) {
     assert_non_null(strstr(error.text, "2 nodes"));
     assert_int_equal(mcv_camera_model_node(&model, "patr", "--edge", &frame, &error), MCV_USAGE);
     assert_non_null(strstr(error.text, "did you mean \"part\""));
+    /* What resembles none gets their list, if that is short. */
+    assert_int_equal(mcv_camera_model_node(&model, "shaft", "--edge", &frame, &error), MCV_USAGE);
+    assert_non_null(strstr(error.text, "among the 4 that it names: part, part, bolt, bolt"));
+    char *name = model.nodes[1].name, wide[200] = "";
+    memset(wide, 'x', sizeof wide - 1);
+    model.nodes[1].name = wide;
+    assert_int_equal(mcv_camera_model_node(&model, "shaft", "--edge", &frame, &error), MCV_USAGE);
+    assert_string_equal(error.text, "--edge: there is no node \"shaft\" among the 4 that it names");
+    model.nodes[1].name = name;
     mcv_camera_model_free(&model);
     mcv_scene_free(scene);
 }
