@@ -31,6 +31,7 @@ mcv_result mcv_client_options(const mcv_command *command, const char *const *wit
             return mcv_fail(error, MCV_USAGE, "%s: is no UTF-8 text", word);
     }
     json_t *options = mcv_command_json(command, without);
+    mcv_command_stated(command, &options);
     mcv_command_flags(command, &options);
     for (const char *const *name = without; options && *name; ++name)
         json_object_del(options, *name);

@@ -64,6 +64,28 @@ static mcv_result define_exposure(const json_t *object, mcv_sensor *sensor,
     return mcv_sensor_resolve(sensor, place, error);
 }
 
+/* An error of the keys that this aperture of the list gives is told at its place there. */
+static mcv_result fail_aperture(const json_t *aperture, const mcv_json_path *apertures,
+                                const mcv_json_path *here, mcv_result result, mcv_error *error) {
+    mcv_error own = {""};
+    char key[64], path[96] = "";
+    (void)mcv_fail_at(apertures, &own, "."); /* "FILE: sensors/NAME/aperture: ." */
+    const size_t before = strlen(own.text) - strlen(": .");
+    const char *rest = error->text + before, *sentence = strstr(rest, ": ");
+    if (result != MCV_BAD_INPUT || strncmp(error->text, own.text, before) != 0 || !sentence)
+        return result;
+    const size_t length = strcspn(rest, "/:");
+    snprintf(key, sizeof key, "aperture%.*s", (int)length, rest);
+    if (json_is_object(aperture) && json_object_get(aperture, key))
+        snprintf(path, sizeof path, "aperture%.*s", (int)(sentence - rest), rest);
+    else if (json_is_array(aperture) && strcmp(key, "apertureMask") == 0 && rest[length] == '/')
+        snprintf(path, sizeof path, "%.*s", (int)(sentence - rest - length) - 1, rest + length + 1);
+    else if (json_is_object(aperture) || (length > 0 && !json_is_array(aperture)))
+        return result; /* a key of the sensor */
+    const mcv_json_path within = mcv_json_path_key(here, path);
+    return mcv_fail_at(*path ? &within : here, error, "%s", sentence + strlen(": "));
+}
+
 /* One exposure of a sensor. */
 static mcv_result define_sensor(const json_t *object, size_t exposure, mcv_sensor *sensor,
                                 const mcv_json_path *place, mcv_error *error) {
@@ -77,7 +99,12 @@ static mcv_result define_sensor(const json_t *object, size_t exposure, mcv_senso
     json_t *one = json_copy((json_t *)object);
     mcv_result result = one ? put_aperture(one, json_array_get(list, exposure), &here, error)
                             : mcv_fail_memory(place, error);
-    if (result == MCV_OK) result = define_exposure(one, sensor, place, error);
+    if (result == MCV_OK) {
+        result = define_exposure(one, sensor, place, error);
+        if (result != MCV_OK)
+            result =
+                fail_aperture(json_array_get(list, exposure), &apertures, &here, result, error);
+    }
     sensor->name = (char *)mcv_json_name(object);
     json_decref(one);
     return result;

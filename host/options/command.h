@@ -47,11 +47,14 @@ void mcv_command_free(mcv_command *command);
 
 /*
  * The options of the command's verb that can be told from the default, by their names, as texts,
- * numbers and lists of texts such as stand on the command line (of scan: all that stand there);
- * without those of `without` (names,
+ * numbers and lists of texts such as stand on the command line; without those of `without` (names,
  * NULL at the end) and flags, which mcv_command_flags adds. NULL without memory.
  */
 json_t *mcv_command_json(const mcv_command *command, const char *const *without);
+
+/* Adds those that stand on the command line with the value of their default: they go before the
+ * defaults of a session or of a sensor (mcv_json_put). */
+void mcv_command_stated(const mcv_command *command, json_t **options);
 
 /* Adds the flags that are set, as true; "json" also where it is not (mcv_json_put). */
 void mcv_command_flags(const mcv_command *command, json_t **options);

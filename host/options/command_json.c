@@ -82,11 +82,10 @@ static json_t *value_json(const mcv_option *o, const mcv_command *command) {
     return NULL;
 }
 
-/* Does the option stand on the command line? Sensors of scans have defaults of their own, before
- * which it goes even with the value of the general default. */
+/* Does the option stand on the command line? */
 static bool stands_there(const mcv_option *o, const mcv_command *command) {
     const size_t length = strlen(o->name);
-    for (int i = 1; command->verb == MCV_VERB_SCAN && i < command->argc; ++i) {
+    for (int i = 1; i < command->argc; ++i) {
         const char *word = command->argv[i];
         if (strncmp(word, "--", 2) == 0 && strncmp(word + 2, o->name, length) == 0 &&
             (word[2 + length] == '\0' || word[2 + length] == '='))
@@ -106,11 +105,18 @@ json_t *mcv_command_json(const mcv_command *command, const char *const *without)
             left_out = left_out || strcmp(*name, o->name) == 0;
         if (left_out) continue;
         if (o->preset) (void)mcv_option_set(o, o->preset, &defaults, &ignored);
-        if (is_given(o, command, &defaults) ||
-            (o->kind != MCV_KIND_flag && stands_there(o, command)))
-            mcv_json_put(&object, o->name, value_json(o, command));
+        if (is_given(o, command, &defaults)) mcv_json_put(&object, o->name, value_json(o, command));
     }
     return object;
+}
+
+void mcv_command_stated(const mcv_command *command, json_t **options) {
+    for (size_t i = 0; *options && i < MCV_OPTION_COUNT; ++i) {
+        const mcv_option *o = mcv_options + i;
+        if (o->kind != MCV_KIND_flag && o->verbs >> command->verb & 1 &&
+            !json_object_get(*options, o->name) && stands_there(o, command))
+            mcv_json_put(options, o->name, value_json(o, command));
+    }
 }
 
 void mcv_command_flags(const mcv_command *command, json_t **options) {

@@ -78,10 +78,15 @@ static void test_bad_input(void **state) {
     (void)state;
     must_refuse("[]", "1 to 64 apertures");
     must_refuse("[3]", "must be a word, the rows of a mask");
+    must_refuse("[\"half\",\"rign\"]", "sensors/cam/aperture/1: \"rign\"");
     must_refuse("[\"half\",\"rign\"]", "did you mean \"ring\"?");
+    must_refuse("[\"half\",{\"aperture\":\"rign\"}]", "sensors/cam/aperture/1/aperture: \"rign\"");
+    must_refuse("[{\"aperture\":\"ring\",\"apertureRatio\":2}]",
+                "sensors/cam/aperture/0/apertureRatio: 2 must be above 0");
     must_refuse("[{\"aperture\":\"half\",\"fNumber\":2}]", "fNumber: is no key of an aperture");
-    must_refuse("[\"disc\",{\"aperture\":\"half\",\"apertureRatio\":0.5}]", "apertureRatio");
-    must_refuse("[[[1,0],[0]]]", "apertureMask");
+    must_refuse("[\"disc\",{\"aperture\":\"half\",\"apertureRatio\":0.5}]",
+                "sensors/cam/aperture/1/apertureRatio: is of the aperture");
+    must_refuse("[\"disc\",[[1,0],[0]]]", "sensors/cam/aperture/1/1: ");
     program_fails("sweep list.gltf --vary sensors/cam/fNumber=2,4 --metric mean", 2,
                   "choose one by --sensor");
 }
