@@ -5,8 +5,8 @@
 #include <ctype.h>
 #include <string.h>
 
-static const char *figure_unit(const char *figure, size_t length) {
-    static const struct {
+static const char *figure_unit(const char *figure, size_t length, mcv_metric_units units) {
+    const struct {
         const char *name, *unit;
     } figures[] = {
 #define MCV_X(member, name, unit) {name, unit},
@@ -14,6 +14,7 @@ static const char *figure_unit(const char *figure, size_t length) {
             MCV_LINE_METRICS(MCV_X) MCV_CALIPER_METRICS(MCV_X) MCV_CIRCLE_METRICS(MCV_X)
 #undef MCV_X
                 {"mtf50", "cycles/pixel"},
+        {"bound", units.step},
         {"distance", "pixels"},
         {"line_distance", "pixels"},
     };
@@ -22,11 +23,12 @@ static const char *figure_unit(const char *figure, size_t length) {
     if (length >= ending && strncmp(figure + length - ending, in_metres, ending) == 0) return "m";
     for (size_t i = 0; i < sizeof figures / sizeof figures[0]; ++i)
         if (strlen(figures[i].name) == length && strncmp(figures[i].name, figure, length) == 0)
-            return figures[i].unit;
+            return strcmp(figures[i].unit, MCV_UNIT_OF_VALUES) == 0 ? units.values
+                                                                    : figures[i].unit;
     return "";
 }
 
-const char *mcv_metric_unit(const char *expression) {
+const char *mcv_metric_unit(const char *expression, mcv_metric_units units) {
     size_t length = strlen(expression);
     const bool wrapped =
         length > 3 && strncmp(expression, "u(", 2) == 0 && expression[length - 1] == ')';
@@ -38,5 +40,5 @@ const char *mcv_metric_unit(const char *expression) {
     for (size_t i = 0; i < length; ++i)
         if (!isalnum((unsigned char)expression[i]) && !strchr("._", expression[i])) return "";
     while (begin > 0 && expression[begin - 1] != '.') --begin;
-    return figure_unit(expression + begin, length - begin);
+    return figure_unit(expression + begin, length - begin, units);
 }

@@ -10,6 +10,11 @@
 /* As a unit: that of the image's values. */
 #define MCV_UNIT_OF_VALUES "values"
 
+/* The units of figures that others choose: of the image's values, and of the step of a bound. */
+typedef struct mcv_metric_units {
+    const char *values, *step;
+} mcv_metric_units;
+
 /* X(member of mcv_roi_figures, "name", unit) and of mcv_contrast_figures, mcv_edge, mcv_line,
  * mcv_caliper, mcv_circle; those that are quantities. Without a unit: ratios.
  */
@@ -74,8 +79,8 @@ mcv_result mcv_metric_look_up(void *user, const char *name, mcv_quantity *quanti
 mcv_result mcv_metric_known(void *user, const char *name, mcv_quantity *quantity, mcv_error *error);
 
 /* The unit of a metric that is one figure, or u(figure): "pixels", "rad", "m", "cycles/pixel" or
- * MCV_UNIT_OF_VALUES. "" for ratios, and for other expressions. */
-const char *mcv_metric_unit(const char *expression);
+ * one of `units`. "" for ratios, and for other expressions. */
+const char *mcv_metric_unit(const char *expression, mcv_metric_units units);
 
 /* Why there is no signal-to-noise or contrast-to-noise ratio: `samples` of mcv_roi_figures or
  * mcv_contrast_figures. */

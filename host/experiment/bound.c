@@ -8,6 +8,14 @@
 #include <stdio.h>
 #include <string.h>
 
+/* By what the text may be: a plain number has no unit. */
+static const char *unit_of(const char *step) {
+    double ignored;
+    if (mcv_parse_quantity(step, MCV_PARAM_number, &ignored)) return "";
+    if (mcv_parse_quantity(step, MCV_PARAM_length, &ignored)) return "m";
+    return mcv_parse_quantity(step, MCV_PARAM_angle, &ignored) ? "rad" : "";
+}
+
 mcv_result mcv_bound_read(const char *item, const mcv_plan *plan, const mcv_document *document,
                           mcv_overrides set, mcv_bound *b, mcv_error *error) {
     const char *equals = strrchr(item, '=');
@@ -20,6 +28,7 @@ mcv_result mcv_bound_read(const char *item, const mcv_plan *plan, const mcv_docu
                         "--bound %s: must be PATH=STEP, a parameter of the scene and a small step "
                         "above 0, as in nodes/part/shiftZ=0.1mm",
                         item);
+    b->unit = unit_of(equals + 1);
     for (; b->parameter < plan->count; ++b->parameter) {
         const mcv_parameter *p = plan->parameters + b->parameter;
         if (p->path_length == b->path_length && strncmp(p->item, item, (size_t)p->path_length) == 0)

@@ -15,6 +15,7 @@ typedef struct mcv_bound {
     const char *item; /* "PATH=STEP", borrowed; NULL: no bound is wanted */
     int path_length;
     double step;      /* [SI] */
+    const char *unit; /* of that: "m", "rad", or "" where the item gives none */
     double from;      /* the parameter in the scene; NaN: the plan has it */
     size_t parameter; /* of the plan */
 } mcv_bound;

@@ -98,6 +98,11 @@ static mcv_result plan_files(mcv_sweep *s, mcv_error *error) {
     return MCV_OK;
 }
 
+mcv_metric_units mcv_sweep_units(const mcv_sweep *s) {
+    const char *step = s->measurement.bound.unit;
+    return (mcv_metric_units){.values = s->unit, .step = step ? step : ""};
+}
+
 /* The bound of a parameter takes a second render, with the noise of a camera. */
 static mcv_result plan_bound(mcv_sweep *s, mcv_error *error) {
     const mcv_experiment *e = s->experiment;

@@ -15,6 +15,7 @@
 #ifndef MCVISI_HOST_EXPERIMENT_EXPERIMENT_H
 #define MCVISI_HOST_EXPERIMENT_EXPERIMENT_H
 
+#include "analysis/metrics.h"
 #include "experiment/judge.h"
 #include "experiment/measure.h"
 #include "experiment/plan.h"
@@ -96,6 +97,9 @@ struct mcv_sweep {
     mcv_asset_cache *assets;
     mcv_judge *judge; /* the programs that decide, or NULL */
 };
+
+/* The units of its metrics' figures. */
+mcv_metric_units mcv_sweep_units(const mcv_sweep *sweep);
 
 /* The scene with changes; used by the files beside this one. */
 mcv_result mcv_experiment_load(const mcv_sweep *sweep, mcv_overrides set, mcv_scene **scene,

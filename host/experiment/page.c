@@ -44,8 +44,9 @@ static void name_columns(mcv_page *page) {
     }
     for (size_t i = 0; i < m->count; ++i) {
         mcv_page_name *name = page->metric_names + i;
-        page->metrics[i] = mcv_unit_of_metric(m->metrics[i].expression, page->sweep->unit,
-                                              largest_of(&page->sweep->table, i));
+        page->metrics[i] =
+            mcv_unit_of_metric(m->metrics[i].expression, mcv_sweep_units(page->sweep),
+                               largest_of(&page->sweep->table, i));
         mcv_name_with_unit(m->metrics[i].name, page->metrics + i, name->words, sizeof name->words);
         page->names[i] = name->words;
     }

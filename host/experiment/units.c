@@ -1,7 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "experiment/units.h"
 
-#include "analysis/metrics.h"
 #include "scene/params.h"
 
 #include <ctype.h>
@@ -45,17 +44,15 @@ mcv_shown_unit mcv_unit_of_parameter(const mcv_parameter *p) {
     return unit;
 }
 
-mcv_shown_unit mcv_unit_of_metric(const char *expression, const char *values, double largest) {
+mcv_shown_unit mcv_unit_of_metric(const char *expression, mcv_metric_units units, double largest) {
     mcv_shown_unit unit = plain;
-    const char *name = mcv_metric_unit(expression);
+    const char *name = mcv_metric_unit(expression, units);
     if (strcmp(name, "m") == 0) {
         unit.per_si = largest >= 1 ? 1 : largest >= 1e-3 ? 1e3 : 1e6;
         name = largest >= 1 ? "m" : largest >= 1e-3 ? "mm" : "µm";
     } else if (strcmp(name, "rad") == 0) {
         unit.per_si = 180 / M_PI;
         name = "°";
-    } else if (strcmp(name, MCV_UNIT_OF_VALUES) == 0) {
-        name = values;
     }
     snprintf(unit.name, sizeof unit.name, "%s", name);
     return unit;

@@ -3,6 +3,7 @@
 #ifndef MCVISI_HOST_EXPERIMENT_UNITS_H
 #define MCVISI_HOST_EXPERIMENT_UNITS_H
 
+#include "analysis/metrics.h"
 #include "experiment/plan.h"
 
 typedef struct mcv_shown_unit {
@@ -16,10 +17,9 @@ mcv_shown_unit mcv_unit_of_parameter(const mcv_parameter *parameter);
 
 /*
  * The unit of a metric (mcv_metric_unit of analysis/metrics.h): lengths as m, mm or µm by
- * `largest`, the largest number [SI] to be shown; angles in degrees; `values` is the unit of the
- * image's values.
+ * `largest`, the largest number [SI] to be shown; angles in degrees.
  */
-mcv_shown_unit mcv_unit_of_metric(const char *expression, const char *values, double largest);
+mcv_shown_unit mcv_unit_of_metric(const char *expression, mcv_metric_units units, double largest);
 
 /* A name with its unit: "diameter [mm]". */
 void mcv_name_with_unit(const char *name, const mcv_shown_unit *unit, char words[], size_t size);

@@ -126,9 +126,9 @@ static json_t *extremes_json(const mcv_sweep *s) {
 /* In SI units, as the table is. */
 static json_t *describe_metric(const mcv_sweep *s, size_t metric, const double *row) {
     const double *q = row + mcv_row_metric(&s->table, metric);
-    const char *unit = mcv_metric_unit(s->measurement.metrics[metric].expression);
-    return json_pack("{s:o, s:o, s:s}", "value", number(q[0]), "uncertainty", number(q[1]), "unit",
-                     strcmp(unit, MCV_UNIT_OF_VALUES) == 0 ? s->unit : unit);
+    return json_pack(
+        "{s:o, s:o, s:s}", "value", number(q[0]), "uncertainty", number(q[1]), "unit",
+        mcv_metric_unit(s->measurement.metrics[metric].expression, mcv_sweep_units(s)));
 }
 
 json_t *mcv_sweep_json_head(const mcv_sweep *s, double spent) {

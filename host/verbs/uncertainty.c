@@ -51,10 +51,9 @@ static json_t *effect_json(const mcv_study *s, const mcv_propagated *f, size_t p
 }
 
 static json_t *metric_json(const mcv_study *s, size_t metric, const mcv_propagated *f) {
-    const char *unit = mcv_metric_unit(s->sweep.measurement.metrics[metric].expression);
-    json_t *effects = json_array(),
-           *document = json_pack("{s:s}", "unit",
-                                 strcmp(unit, MCV_UNIT_OF_VALUES) == 0 ? s->sweep.unit : unit);
+    const char *unit = mcv_metric_unit(s->sweep.measurement.metrics[metric].expression,
+                                       mcv_sweep_units(&s->sweep));
+    json_t *effects = json_array(), *document = json_pack("{s:s}", "unit", unit);
     for (size_t i = 0; i < s->tolerances.count; ++i)
         json_array_append_new(effects, effect_json(s, f, f->order[i]));
     if (s->propagation.repeats)

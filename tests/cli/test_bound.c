@@ -38,7 +38,7 @@ static void test_over_masks_and_lenses(void **state) {
         read_numbers(table, 1, row, 4);
         must_be(row[2], row[3], edge_bound(0.004, i == 0, 0.5), shapes[i]);
     }
-    assert_non_null(strstr(read_whole("half.html"), "bound"));
+    assert_non_null(strstr(read_whole("half.html"), "bound [mm]"));
 }
 
 /* It is what detect --step tells of the two pictures, but for their float32. */

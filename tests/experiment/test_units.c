@@ -32,20 +32,25 @@ static void test_parameters(void **state) {
     check_unit(mcv_unit_of_parameter(&tie), "", 8, 8); /* an expression's unit is not known */
 }
 
+static mcv_metric_units units_of(const char *values) {
+    return (mcv_metric_units){.values = values, .step = "m"};
+}
+
 static void test_metrics(void **state) {
     (void)state;
-    check_unit(mcv_unit_of_metric("left.position", "DN", 1), "pixels", 3, 3);
-    check_unit(mcv_unit_of_metric("u(left.position)", "DN", 1), "pixels", 3, 3);
-    check_unit(mcv_unit_of_metric("bore.diameter_length", "DN", 0.012), "mm", 0.012, 12);
-    check_unit(mcv_unit_of_metric("bore.roundness_length", "DN", 2e-6), "µm", 2e-6, 2);
-    check_unit(mcv_unit_of_metric("right.length", "DN", 2), "m", 2, 2);
-    check_unit(mcv_unit_of_metric("tilt", "DN", 1), "°", M_PI, 180);
-    check_unit(mcv_unit_of_metric("mtf50", "DN", 1), "cycles/pixel", 0.25, 0.25);
-    check_unit(mcv_unit_of_metric("dent.mean", "DN", 1), "DN", 7, 7);
-    check_unit(mcv_unit_of_metric("mean", "W/m²", 1), "W/m²", 7, 7);
-    check_unit(mcv_unit_of_metric("dent.contrast_to_noise", "DN", 1), "", 7, 7);
-    check_unit(mcv_unit_of_metric("a.position-b.position", "DN", 1), "", 7, 7);
-    check_unit(mcv_unit_of_metric("mean*2", "DN", 1), "", 7, 7);
+    check_unit(mcv_unit_of_metric("left.position", units_of("DN"), 1), "pixels", 3, 3);
+    check_unit(mcv_unit_of_metric("u(left.position)", units_of("DN"), 1), "pixels", 3, 3);
+    check_unit(mcv_unit_of_metric("bore.diameter_length", units_of("DN"), 0.012), "mm", 0.012, 12);
+    check_unit(mcv_unit_of_metric("bore.roundness_length", units_of("DN"), 2e-6), "µm", 2e-6, 2);
+    check_unit(mcv_unit_of_metric("right.length", units_of("DN"), 2), "m", 2, 2);
+    check_unit(mcv_unit_of_metric("tilt", units_of("DN"), 1), "°", M_PI, 180);
+    check_unit(mcv_unit_of_metric("mtf50", units_of("DN"), 1), "cycles/pixel", 0.25, 0.25);
+    check_unit(mcv_unit_of_metric("dent.mean", units_of("DN"), 1), "DN", 7, 7);
+    check_unit(mcv_unit_of_metric("mean", units_of("W/m²"), 1), "W/m²", 7, 7);
+    check_unit(mcv_unit_of_metric("dent.contrast_to_noise", units_of("DN"), 1), "", 7, 7);
+    check_unit(mcv_unit_of_metric("a.position-b.position", units_of("DN"), 1), "", 7, 7);
+    check_unit(mcv_unit_of_metric("plate.bound", units_of("DN"), 2e-6), "µm", 2e-6, 2);
+    check_unit(mcv_unit_of_metric("mean*2", units_of("DN"), 1), "", 7, 7);
 }
 
 static void check_words(double value, double uncertainty, const char *wanted) {
