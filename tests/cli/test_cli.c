@@ -1213,6 +1213,50 @@ static void test_contrast_without_the_render(void **state) {
     assert_non_null(strstr(out, "part of the noise"));
 }
 
+/*
+ * The mean of three channels, each with an error of 0.1, whose pairs have the correlation that the
+ * header tells (1 where it does not): 0.1 √((1 + 2ρ)/3) of a pixel, over the root of 768 pixels.
+ */
+static void test_channels_of_a_colour_picture(void **state) {
+    static const struct {
+        bool told;
+        double correlation, truth;
+    } cases[] = {
+        {true, 1, 0.1}, {true, 0, 0.057735027}, {true, 0.25, 0.070710678}, {false, 0, 0.1}};
+    enum { WIDTH = 32, HEIGHT = 24, VALUES = 3 * WIDTH * HEIGHT };
+    (void)state;
+    for (size_t k = 0; k < sizeof cases / sizeof cases[0]; ++k) {
+        mcv_image image, deviation;
+        mcv_error error = {""};
+        double u;
+        assert_int_equal(mcv_image_new(&image, WIDTH, HEIGHT, 3, &error), MCV_OK);
+        assert_int_equal(mcv_image_new(&deviation, WIDTH, HEIGHT, 3, &error), MCV_OK);
+        for (uint32_t i = 0; i < VALUES; ++i) {
+            image.pixels[i] = 1;
+            deviation.pixels[i] = 0.1F;
+        }
+        const mcv_attribute attributes[] = {
+            {.name = "mcvisi:quantity", .text = "radiance"},
+            {.name = "mcvisi:errorFreedom", .numbers = {3}, .count = 1},
+            {.name = MCV_EXR_CHANNELS, .numbers = {cases[k].correlation}, .count = 1}};
+        const mcv_exr_part parts[] = {{.name = "image", .image = image},
+                                      {.name = "error", .image = deviation}};
+        assert_int_equal(
+            mcv_exr_write("colour.exr", parts, 2, attributes, cases[k].told ? 3 : 2, &error),
+            MCV_OK);
+        mcv_image_free(&image);
+        mcv_image_free(&deviation);
+        run_well("measure colour.exr --json");
+        json_t *report = json_loads(out, 0, NULL);
+        measured(json_array_get(json_object_get(report, "regions"), 0), "mean", &u);
+        json_decref(report);
+        const double found = u * sqrt(WIDTH * HEIGHT);
+        if (fabs(found / cases[k].truth - 1) > 1e-5)
+            fail_msg("correlation %g: an error of %g, not %g", cases[k].correlation, found,
+                     cases[k].truth);
+    }
+}
+
 static void test_units_of_options(void **state) {
     static const char *const lines[] = {"--exposure-time 2e-3 --wavelength 550e-9",
                                         "--exposure-time 2ms --wavelength 550nm",
@@ -1776,6 +1820,7 @@ int main(void) {
         TEST(test_measure),
         TEST(test_level_of_a_render),
         TEST(test_contrast_without_the_render),
+        TEST(test_channels_of_a_colour_picture),
         TEST(test_units_of_options),
         TEST(test_measure_circles),
         TEST(test_measure_bad_input),
