@@ -84,6 +84,17 @@ def _check_lens(header: Mapping[str, Any]) -> None:
             )
 
 
+def _check_exposure(header: Mapping[str, Any], values: Any) -> None:
+    """Saturated pixels take contrast from the sharper image, which then seems to be less sharp."""
+    full = 2.0 ** float(header.get("mcvisi:bits", np.inf)) - 1
+    saturated = int(np.count_nonzero(values >= full))
+    if saturated:
+        raise BadInput(
+            "depth: %d of %d pixels of the region are saturated in an image, which changes its "
+            "blur: expose less, as by expose_to=0.2" % (saturated, values.size)
+        )
+
+
 class _View:
     """One image about the region, its noise, and the transfer function of its lens."""
 
@@ -97,6 +108,7 @@ class _View:
         _check_lens(header)
         values = np.asarray(image.array, float)
         self.cut = _place(region, values.shape)
+        _check_exposure(header, values[self.cut])
         # Exposures differ: what counts is the texture over its mean.
         mean = np.mean(values[self.cut])
         variance = np.mean(np.asarray(image.error, float)[self.cut] ** 2)

@@ -28,8 +28,8 @@ def depth(
     images differ by noise alone.
 
     region: X, Y, W, H in pixels, wider than the blur. BadInput for images without an error or light,
-    or of a camera without a lens, or with tilt or distortion; UsageError for what does not fit
-    together.
+    with saturated pixels in the region, or of a camera without a lens, or with tilt or distortion;
+    UsageError for what does not fit together.
     """
     from mcvisi.depth_fit import best_depth
 

@@ -63,11 +63,11 @@ def wall():
     return _rig(cells, aperture="half", apertureRotation=0)
 
 
-def _look(wall, depth, turn, seed, spp=64):
+def _look(wall, depth, turn, seed, spp=64, exposure=0.2):
     wall["nodes/camera/translation"] = [0, 0, depth]
     wall["sensors/camera/apertureRotation"] = turn
     lit = wall.render(spp=spp, seed=seed, device="reference", progress=False)
-    return lit.camera(expose_to=0.5, lens_mtf="none", seed=seed)
+    return lit.camera(expose_to=exposure, lens_mtf="none", seed=seed)
 
 
 def test_two_halves(wall):
@@ -125,6 +125,8 @@ def test_what_cannot_be_measured(wall):
     for wrong in ((16, 16, 64), "16,16,64,64", (16, 16, 64.5, 64), None):
         with pytest.raises(mv.UsageError, match="region must be X, Y, W, H"):
             mv.depth([half, half], wrong, 0.25, 0.36)
+    with pytest.raises(mv.BadInput, match="pixels of the region are saturated"):
+        mv.depth([half, _look(wall, FOCUS, 0, 1, spp=1, exposure=0.9)], region, 0.25, 0.36)
     wall["emitters/wall/radiance"] = 0
     try:
         lit = wall.render(spp=1, device="reference", progress=False)
