@@ -7,14 +7,14 @@
 #include "geometry/surface.h"
 #include "light/discrete.h"
 
-#if MCV_WITH_TEXTURE
 /* Has the emitter an image of directions? */
 #define MCV_SENDS_BY_PIXEL(e) \
     ((MCV_WITH_LIGHT_FIELD && (e)->type == MCV_EMITTER_LIGHT_FIELD_EMITTER) || \
      (MCV_WITH_PROJECTOR && (e)->type == MCV_EMITTER_PROJECTOR))
 
+#if MCV_WITH_TEXTURE
 /* The pixel of an image of directions that sends light from a place in a direction (unit, away from
- * the surface); 0 if none does. */
+ * the surface); returns 0, and some pixel, if none does. */
 MCV_LOOP_FUNCTION int mcv_find_pixel(mcv_world world, mcv_surface surface,
                                      __global const mcv_device_emitter *e, mcv_vec3 direction,
                                      mcv_pixel *pixel) {
@@ -27,10 +27,10 @@ MCV_LOOP_FUNCTION int mcv_find_pixel(mcv_world world, mcv_surface surface,
 #if MCV_WITH_PROJECTOR
     __global const mcv_device_texture *image = world.textures + e->texture;
     float across, down;
-    if (!mcv_projector_place(&e->projector, s, t, direction, &across, &down)) return 0;
-    pixel->column = mcv_cell(across, image->width);
-    pixel->row = mcv_cell(down, image->height);
-    return 1;
+    const int lit = mcv_projector_place(&e->projector, s, t, direction, &across, &down);
+    pixel->column = mcv_cell(lit ? across : 0.0f, image->width);
+    pixel->row = mcv_cell(lit ? down : 0.0f, image->height);
+    return lit;
 #else
     return 0;
 #endif
@@ -89,20 +89,29 @@ MCV_LOOP_FUNCTION float mcv_radiance_share(__global const mcv_device_emitter *e,
 }
 
 /* Radiance that an emitter's surface sends in a direction (unit, away from the surface), in its
- * medium. */
-MCV_LOOP_FUNCTION mcv_color mcv_emitted(mcv_world world, mcv_surface surface, uint emitter,
-                                        mcv_vec3 direction) {
+ * medium. Loops know whether the emitter sends by pixel. */
+MCV_LOOP_FUNCTION mcv_color mcv_emitted_by(mcv_world world, mcv_surface surface, uint emitter,
+                                           mcv_vec3 direction, int by_pixel) {
     __global const mcv_device_emitter *e = world.emitters + emitter;
-    if (!(mcv_dot(direction, surface.face) > 0.0f)) return mcv_grey(0.0f);
+    (void)by_pixel;
 #if MCV_WITH_TEXTURE
-    mcv_pixel pixel;
-    if (MCV_SENDS_BY_PIXEL(e))
-        return mcv_find_pixel(world, surface, e, direction, &pixel)
-                   ? mcv_pixel_radiance(world, e, pixel)
-                   : mcv_grey(0.0f);
+    if (by_pixel) {
+        mcv_pixel pixel;
+        const int lit = mcv_find_pixel(world, surface, e, direction, &pixel) &
+                        (mcv_dot(direction, surface.face) > 0.0f);
+        mcv_color radiance = mcv_pixel_radiance(world, e, pixel);
+        MCV_EACH_CHANNEL(i) radiance.c[i] = lit ? radiance.c[i] : 0.0f;
+        return radiance;
+    }
 #endif
     return mcv_dim(mcv_full_radiance(world, surface, emitter),
                    mcv_radiance_share(e, surface.face, surface.normal, direction));
+}
+
+MCV_LOOP_FUNCTION mcv_color mcv_emitted(mcv_world world, mcv_surface surface, uint emitter,
+                                        mcv_vec3 direction) {
+    return mcv_emitted_by(world, surface, emitter, direction,
+                          MCV_SENDS_BY_PIXEL(world.emitters + emitter));
 }
 #endif
 

@@ -163,13 +163,16 @@ MCV_FUNCTION int mcv_has_image(__global const mcv_device_emitter *e) {
 }
 
 /* The shadow of mcv_sample_point with what comes from there, by the emitter's image. */
-MCV_FUNCTION mcv_shadow mcv_shadow_by_image(mcv_world world, mcv_vec3 receiver, mcv_surface there,
-                                            uint emitter, mcv_shadow shadow) {
+MCV_LOOP_FUNCTION mcv_shadow mcv_shadow_by_image(mcv_world world, mcv_vec3 receiver,
+                                                 mcv_surface there, uint emitter, mcv_shadow shadow,
+                                                 int by_pixel) {
     const mcv_vec3 back = mcv_scale(mcv_normalize(mcv_sub(there.point, receiver)), -1.0f);
-    shadow.light = mcv_grey(0.0f);
-    if (!(shadow.density > 0.0f && shadow.density < INFINITY)) return shadow;
-    shadow.light = mcv_dim(mcv_emitted(world, there, emitter, back), 1.0f / shadow.density);
-    shadow.emitter_element = mcv_emitter_element_of(world, emitter, there, back);
+    const int lit = (shadow.density > 0.0f) & (shadow.density < INFINITY);
+    const mcv_color light =
+        mcv_dim(mcv_emitted_by(world, there, emitter, back, by_pixel), 1.0f / shadow.density);
+    MCV_EACH_CHANNEL(i) shadow.light.c[i] = lit ? light.c[i] : 0.0f;
+    if (MCV_WITH_RECORDS)
+        shadow.emitter_element = mcv_emitter_element_of(world, emitter, there, back);
     return shadow;
 }
 #endif

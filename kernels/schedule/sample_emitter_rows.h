@@ -74,9 +74,13 @@ MCV_LOOP_FUNCTION void mcv_sample_point_row(mcv_world world, mcv_slot slot, uint
 }
 
 #if MCV_WITH_TEXTURE
-/* The light of the points of an emitter with an image. */
-MCV_BATCH void mcv_light_points(mcv_world world, mcv_slot slot, uint emitter, const uint *chosen,
-                                uint count) {
+/* The light of the points of an emitter with an image. Whether it sends by pixel is known to the
+ * compiler. */
+MCV_LOOP_FUNCTION void mcv_light_point_row(mcv_world world, mcv_slot slot, uint emitter,
+                                           const uint *chosen, uint count, int by_pixel) {
+#if !MCV_WITH_RECORDS
+    MCV_VECTORIZE_MASKED
+#endif
     for (uint i = 0; i < count; ++i) {
         slot.index = chosen[i];
         const mcv_receiver at = mcv_receiver_of(mcv_make_interaction(world, slot));
@@ -85,8 +89,16 @@ MCV_BATCH void mcv_light_points(mcv_world world, mcv_slot slot, uint emitter, co
         mcv_shadow shadow = mcv_shadow_in(slot);
         shadow.density = MCV_LOAD(slot, place, 3);
         mcv_put_shadow(world, slot, at, emitter,
-                       mcv_shadow_by_image(world, at.point, there, emitter, shadow));
+                       mcv_shadow_by_image(world, at.point, there, emitter, shadow, by_pixel));
     }
+}
+
+MCV_BATCH void mcv_light_points(mcv_world world, mcv_slot slot, uint emitter, const uint *chosen,
+                                uint count) {
+    if (MCV_SENDS_BY_PIXEL(world.emitters + emitter))
+        mcv_light_point_row(world, slot, emitter, chosen, count, 1);
+    else
+        mcv_light_point_row(world, slot, emitter, chosen, count, 0);
 }
 #endif
 

@@ -49,7 +49,9 @@ MCV_FUNCTION mcv_shadow mcv_sample_towards(mcv_world world, mcv_receiver at, uin
             point = mcv_point_on_mesh(world, e, mcv_choose_triangle(world, e, pair), pair);
         mcv_shadow shadow = mcv_sample_point(at, e, point, &there);
 #if MCV_WITH_TEXTURE
-        if (mcv_has_image(e)) shadow = mcv_shadow_by_image(world, at.point, there, emitter, shadow);
+        if (mcv_has_image(e))
+            shadow =
+                mcv_shadow_by_image(world, at.point, there, emitter, shadow, MCV_SENDS_BY_PIXEL(e));
 #endif
         return shadow;
     }

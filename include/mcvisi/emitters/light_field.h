@@ -46,16 +46,16 @@ MCV_ASSERT_SIZE(mcv_light_field_emitter, 48);
  * The image's pixel for the point (s, t) of the rectangle (from its upper left corner, in units of
  * its sides) and a unit direction of emission. Returns 0 if the direction is out of range.
  */
-MCV_FUNCTION int mcv_light_field_pixel(MCV_GLOBAL const mcv_light_field_emitter *emitter, float s,
-                                       float t, mcv_vec3 direction, uint *column, uint *row) {
+MCV_LOOP_FUNCTION int mcv_light_field_pixel(MCV_GLOBAL const mcv_light_field_emitter *emitter,
+                                            float s, float t, mcv_vec3 direction, uint *column,
+                                            uint *row) {
     const float d_x = mcv_dot(direction, mcv_vec(emitter->x[0], emitter->x[1], emitter->x[2]));
     const float d_y = mcv_dot(direction, mcv_vec(emitter->y[0], emitter->y[1], emitter->y[2]));
-    if (!(mcv_abs(d_x) <= 1.0f && mcv_abs(d_y) <= 1.0f)) return 0;
     *column = mcv_cell(s, emitter->macro_width) * emitter->angular_width +
               mcv_cell(0.5f * d_x + 0.5f, emitter->angular_width);
     *row = mcv_cell(t, emitter->macro_height) * emitter->angular_height +
            mcv_cell(0.5f - 0.5f * d_y, emitter->angular_height);
-    return 1;
+    return (mcv_abs(d_x) <= 1.0f) & (mcv_abs(d_y) <= 1.0f);
 }
 
 #endif

@@ -62,13 +62,12 @@ MCV_ASSERT_SIZE(mcv_projector, 48);
  * direction. Both points are in units of the sides from the upper left corner. Returns 0 if the
  * lens emits nothing there.
  */
-MCV_FUNCTION int mcv_projector_place(MCV_GLOBAL const mcv_projector *emitter, float s, float t,
-                                     mcv_vec3 direction, float *across, float *down) {
+MCV_LOOP_FUNCTION int mcv_projector_place(MCV_GLOBAL const mcv_projector *emitter, float s, float t,
+                                          mcv_vec3 direction, float *across, float *down) {
     const float right = s - 0.5f;
     const float below = t - 0.5f;
     const float ahead =
         mcv_dot(direction, mcv_vec(emitter->axis[0], emitter->axis[1], emitter->axis[2]));
-    if (!(mcv_fma(right, right, below * below) <= 0.25f) || !(ahead > 0.0f)) return 0;
     *across =
         mcv_fma(emitter->blur[0], right,
                 mcv_dot(direction, mcv_vec(emitter->x[0], emitter->x[1], emitter->x[2])) / ahead) +
@@ -77,7 +76,8 @@ MCV_FUNCTION int mcv_projector_place(MCV_GLOBAL const mcv_projector *emitter, fl
         mcv_fma(emitter->blur[1], below,
                 mcv_dot(direction, mcv_vec(emitter->y[0], emitter->y[1], emitter->y[2])) / ahead) +
         0.5f;
-    return *across >= 0.0f && *across <= 1.0f && *down >= 0.0f && *down <= 1.0f;
+    const int on_lens = (mcv_fma(right, right, below * below) <= 0.25f) & (ahead > 0.0f);
+    return on_lens & (*across >= 0.0f) & (*across <= 1.0f) & (*down >= 0.0f) & (*down <= 1.0f);
 }
 
 #if !MCV_ON_DEVICE || MCV_WITH_LIGHT_TRACING
