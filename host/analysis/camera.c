@@ -69,13 +69,22 @@ mcv_result mcv_camera_check_light(const mcv_image *light, mcv_error *error) {
 
 enum { SQUARE = 16, LATTICE = 4, LATTICES = LATTICE * LATTICE };
 
+/* Of errors that channels share in part: the variance if they shared nothing is Σ own, if all
+ * (Σ roots)², the roots with the signs of the slopes. */
+static double shared_variance(double own, double all, double shared) {
+    return own + shared * (all - own);
+}
+
 /* Sums over squares. */
 typedef struct powers {
     double low, high; /* of μ^15 and μ^16 */
     double errors[3]; /* of v μ^28, v μ^29 and v μ^30, v the variance of μ */
+    double roots[2];  /* over the channels of this square alone: of √v μ^14 and √v μ^15 */
+    double whole[3];  /* of the products of the roots, as in errors */
 } powers;
 
-/* Adds a square: of μ^15 and μ^16 the means of products of 15 and of 16 different lattices. */
+/* Adds a channel of a square: of μ^15 and μ^16 the means of products of 15 and of 16 different
+ * lattices. */
 static void add_square(const mcv_image *light, const mcv_image *light_error, uint32_t channel,
                        const uint32_t x[2], const uint32_t y[2], double scale, powers *sums) {
     const size_t first = (size_t)channel * light->width * light->height;
@@ -107,34 +116,69 @@ static void add_square(const mcv_image *light, const mcv_image *light_error, uin
     const double own = variance / (pixels * pixels), share = mean > 0 ? own / (mean * mean) : 0;
     const double factor = exp(-0.5 * MIDDLE * (MIDDLE - 1) * share);
     for (int n = 0; n < 3; ++n) sums->errors[n] += factor * own * pow(mean, MIDDLE - 1 + n);
+    for (int n = 0; n < 2; ++n) sums->roots[n] += sqrt(factor * own) * pow(mean, LATTICES - 2 + n);
+}
+
+/* Ends a square, whose channels are all added. Their errors have the same shape within it: where
+ * they have not, the uncertainty is slightly too large. */
+static void end_square(powers *sums) {
+    const double low = sums->roots[0], high = sums->roots[1];
+    sums->whole[0] += low * low;
+    sums->whole[1] += low * high;
+    sums->whole[2] += high * high;
+    sums->roots[0] = sums->roots[1] = 0;
 }
 
 /* H/L of the sums H of μ^16 and L of μ^15: dμ moves it by (16 μ^15 - 15 μ^14 H/L)/L. */
 static mcv_quantity level_of_squares(const mcv_image *light, const mcv_image *light_error,
-                                     const double electrons_per_unit[3], double mean) {
+                                     double shared, const double electrons_per_unit[3],
+                                     double mean) {
     const uint32_t across = light->width / SQUARE, down = light->height / SQUARE;
     powers p = {0};
-    for (uint32_t c = 0; c < light->channels; ++c)
-        for (uint32_t j = 0; j < down; ++j)
-            for (uint32_t i = 0; i < across; ++i) {
-                const uint32_t x[] = {(uint32_t)((uint64_t)light->width * i / across),
-                                      (uint32_t)((uint64_t)light->width * (i + 1) / across)};
-                const uint32_t y[] = {(uint32_t)((uint64_t)light->height * j / down),
-                                      (uint32_t)((uint64_t)light->height * (j + 1) / down)};
+    for (uint32_t j = 0; j < down; ++j)
+        for (uint32_t i = 0; i < across; ++i) {
+            const uint32_t x[] = {(uint32_t)((uint64_t)light->width * i / across),
+                                  (uint32_t)((uint64_t)light->width * (i + 1) / across)};
+            const uint32_t y[] = {(uint32_t)((uint64_t)light->height * j / down),
+                                  (uint32_t)((uint64_t)light->height * (j + 1) / down)};
+            for (uint32_t c = 0; c < light->channels; ++c)
                 add_square(light, light_error, c, x, y, electrons_per_unit[c < 3 ? c : 2] / mean,
                            &p);
-            }
+            end_square(&p);
+        }
     if (!(p.low > 0)) return (mcv_quantity){0, NAN};
     const double level = p.high / p.low, a = LATTICES, b = (LATTICES - 1) * level;
-    const double variance =
-        (a * a * p.errors[2] - 2 * a * b * p.errors[1] + b * b * p.errors[0]) / (p.low * p.low);
+    double v[3];
+    for (int n = 0; n < 3; ++n) v[n] = shared_variance(p.errors[n], p.whole[n], shared);
+    const double variance = (a * a * v[2] - 2 * a * b * v[1] + b * b * v[0]) / (p.low * p.low);
     return (mcv_quantity){mean * level, mean * sqrt(fmax(0, variance))};
 }
 
-static mcv_quantity level_of(const mcv_image *light, const mcv_image *light_error,
-                             const double electrons_per_unit[3]) {
+/* The variance of the level of squares: dy moves it by (2 y - level)/sum. The noise of y adds 4 u^4
+ * to its mean square, more than the squares' own noise is. */
+static double variance_by_pixels(const mcv_image *light, const mcv_image *light_error,
+                                 double shared, const double electrons_per_unit[3], double level) {
     const size_t plane = (size_t)light->width * light->height;
-    double sum = 0, squares = 0, slanted = 0;
+    double variance = 0;
+    for (size_t i = 0; i < plane; ++i) {
+        double own = 0, all = 0;
+        for (uint32_t c = 0; c < light->channels; ++c) {
+            const double e = electrons_per_unit[c < 3 ? c : 2];
+            const size_t at = c * plane + i;
+            const double root =
+                e * (double)light_error->pixels[at] * (2 * e * (double)light->pixels[at] - level);
+            own += root * root;
+            all += root;
+        }
+        variance += shared_variance(own, all * all, shared);
+    }
+    return fmax(0, variance);
+}
+
+mcv_quantity mcv_camera_level(const mcv_image *light, const mcv_image *light_error, double shared,
+                              const double electrons_per_unit[3]) {
+    const size_t plane = (size_t)light->width * light->height;
+    double sum = 0, squares = 0;
     for (size_t i = 0; i < plane * light->channels; ++i) {
         const double e = electrons_per_unit[i / plane < 3 ? i / plane : 2],
                      y = e * (double)light->pixels[i];
@@ -145,25 +189,14 @@ static mcv_quantity level_of(const mcv_image *light, const mcv_image *light_erro
     if (!(sum > 0)) return (mcv_quantity){0, NAN};
     const double mean = sum / ((double)plane * light->channels),
                  level = squares / sum; /* by the mean, powers stay small */
-    mcv_quantity of_squares = level_of_squares(light, light_error, electrons_per_unit, mean);
+    mcv_quantity of_squares =
+        level_of_squares(light, light_error, shared, electrons_per_unit, mean);
     if (!light_error) of_squares.uncertainty = NAN;
     if (of_squares.value > 0 && (!light_error || of_squares.value > level)) return of_squares;
-    /* dy moves it by (2 y - level)/sum. The noise of y adds 4 u^4 to its mean square, more than the
-     * squares' own noise is. */
-    for (size_t i = 0; light_error && i < plane * light->channels; ++i) {
-        const double e = electrons_per_unit[i / plane < 3 ? i / plane : 2];
-        slanted +=
-            pow(e * (double)light_error->pixels[i] * (2 * e * (double)light->pixels[i] - level), 2);
-    }
-    return (mcv_quantity){level, light_error ? sqrt(slanted) / sum : NAN};
-}
-
-mcv_quantity mcv_camera_level(const mcv_image *light, const mcv_image *light_error, double shared,
-                              const double electrons_per_unit[3]) {
-    mcv_quantity level = level_of(light, light_error, electrons_per_unit);
-    /* Of C equal channels the variance of the mean is that of independent ones times this. */
-    level.uncertainty *= sqrt(fmax(0, 1 + shared * (light->channels - 1.0)));
-    return level;
+    if (!light_error) return (mcv_quantity){level, NAN};
+    const double variance =
+        variance_by_pixels(light, light_error, shared, electrons_per_unit, level);
+    return (mcv_quantity){level, sqrt(variance) / sum};
 }
 
 /* --- the pixels --- */

@@ -71,7 +71,8 @@ double mcv_camera_electrons_per_irradiance(double exposure_time, double quantum_
  *       lattices is free of their error on average.
  *
  * The uncertainty is that of the render's error, to first order; with few samples the brightest
- * block is uncertain. `shared` is the correlation of channels (mcv_film_channel_correlation).
+ * block is uncertain. `shared` is the correlation of channels (mcv_film_channel_correlation). It
+ * counts by each channel's slope of the level, which the brightest one rules.
  * light_error NULL: the second level, if it exists, with the uncertainty NaN. 0 for a dark image.
  * The errors of neighbours must be independent, so the image must not be blurred by a lens before.
  */
