@@ -22,8 +22,8 @@ typedef struct mcv_early {
     clockid_t compiler; /* of the processor time of the thread that compiles … */
     bool has_clock;
     double compiler_begun; /* … and what it said when that began */
-    pthread_t thread;      /* makes the draft, and alone reads the three lines below it */
     bool has_thread;
+    pthread_t thread; /* makes the draft, and alone reads the three lines below */
     mcv_film draft;
     uint32_t draft_stride;
     uint64_t draft_shown; /* its samples in the last preview */

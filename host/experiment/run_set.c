@@ -42,6 +42,11 @@ mcv_result mcv_load_set(const mcv_sweep *s, const double *numbers, mcv_set_texts
     return load_set(s, numbers, texts, NULL, scene, error);
 }
 
+/* What continues a table that is not whole. */
+static const char *what_continues(const mcv_sweep *s) {
+    return s->experiment->resume ? "the same command" : "--resume";
+}
+
 mcv_result mcv_sweep_stopped(const mcv_sweep *s, mcv_error *error) {
     const mcv_sweep_calls *calls = &s->experiment->calls;
     const mcv_result stopped = calls->interrupted ? calls->interrupted(calls->user) : MCV_OK;
@@ -49,8 +54,7 @@ mcv_result mcv_sweep_stopped(const mcv_sweep *s, mcv_error *error) {
     if (!s->experiment->table)
         return mcv_fail(error, stopped, "interrupted after %zu sets", s->table.row_count);
     return mcv_fail(error, stopped, "interrupted: continue by %s; %zu rows are in %s",
-                    s->experiment->resume ? "the same command" : "--resume", s->table.row_count,
-                    s->table.path);
+                    what_continues(s), s->table.row_count, s->table.path);
 }
 
 bool mcv_sweep_goes_on(void *user, double fraction, double seconds, double error) {
@@ -260,8 +264,8 @@ mcv_result mcv_run_set(mcv_sweep *s, size_t set, double *row, mcv_error *error) 
         if (device_is_gone(s, &why))
             return mcv_fail(error, MCV_DEVICE,
                             "set %zu: %.1024s: no set can be rendered; %zu rows "
-                            "are kept, continue by --resume",
-                            set, why.text, table->row_count);
+                            "are kept, continue by %s",
+                            set, why.text, table->row_count, what_continues(s));
         result = try_again(s, set, row, &why);
         stopped = mcv_sweep_stopped(s, error);
     }

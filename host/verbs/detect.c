@@ -163,11 +163,10 @@ static void tell_of_pair(const mcv_detected *detected, mcv_report *report) {
                         "one of the pictures alone has adaptive sampling: with --adaptive off for "
                         "both, most of the render's noise would be in both, and cancel");
     if (!mcv_detect_lights_differ(detected)) return;
-    snprintf(
-        text, sizeof text,
-        "the pictures have %.3g and %.3g light paths a sample: with --light-paths on for both, "
-        "most of the render's noise would be in both, and cancel",
-        detected->light_paths[0], detected->light_paths[1]);
+    snprintf(text, sizeof text,
+             "the pictures have %.3g and %.3g light paths a sample, so the noise of these does not "
+             "cancel: --light-paths on helps where a pilot has decided",
+             detected->light_paths[0], detected->light_paths[1]);
     mcv_report_tell(report, "note", text);
 }
 

@@ -148,7 +148,7 @@ MCV_LOOP_FUNCTION mcv_color mcv_texture_at(mcv_world world, mcv_surface surface,
 }
 
 /* The texel of an image without interpolation there. */
-MCV_FUNCTION mcv_pixel mcv_texel_at(mcv_world world, mcv_surface surface, uint texture) {
+MCV_LOOP_FUNCTION mcv_pixel mcv_texel_at(mcv_world world, mcv_surface surface, uint texture) {
     __global const mcv_device_texture *t = world.textures + texture;
     const mcv_texture_place place = mcv_find_texel(t, mcv_image_place(world, surface, texture, 0),
                                                    mcv_image_place(world, surface, texture, 1));

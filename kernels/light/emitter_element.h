@@ -20,22 +20,30 @@ MCV_LOOP_FUNCTION uint mcv_environment_element(mcv_world world) {
 }
 
 /* That which sends light from a place on an emitter in a direction (unit, away from the surface).
- */
-MCV_FUNCTION uint mcv_emitter_element_of(mcv_world world, uint emitter, mcv_surface surface,
-                                         mcv_vec3 direction) {
-    uint emitter_element = mcv_first_emitter_element(world, emitter);
-    (void)surface, (void)direction;
+ * Loops know whether the emitter sends by pixel. */
+MCV_LOOP_FUNCTION uint mcv_emitter_element_by(mcv_world world, uint emitter, mcv_surface surface,
+                                              mcv_vec3 direction, int by_pixel) {
+    const uint first = mcv_first_emitter_element(world, emitter);
+    (void)surface, (void)direction, (void)by_pixel;
 #if MCV_WITH_RECORDS && MCV_WITH_TEXTURE && (MCV_WITH_EMISSION || MCV_WITH_BEAM)
-    mcv_pixel pixel;
     __global const mcv_device_emitter *e = world.emitters + emitter;
-    if (e->emitter_element_width == 0u) return emitter_element;
-    if (!MCV_SENDS_BY_PIXEL(e))
-        pixel = mcv_texel_at(world, surface, e->texture);
-    else if (!mcv_find_pixel(world, surface, e, direction, &pixel))
-        return emitter_element;
-    emitter_element += pixel.row * e->emitter_element_width + pixel.column;
+    const int told = e->emitter_element_width > 0u;
+    int lit = 1;
+    mcv_pixel pixel;
+    if (by_pixel)
+        lit = mcv_find_pixel(world, surface, e, direction, &pixel);
+    else
+        pixel = mcv_texel_at(world, surface, told ? e->texture : 0u);
+    return first + (told & lit ? pixel.row * e->emitter_element_width + pixel.column : 0u);
+#else
+    return first;
 #endif
-    return emitter_element;
+}
+
+MCV_LOOP_FUNCTION uint mcv_emitter_element_of(mcv_world world, uint emitter, mcv_surface surface,
+                                              mcv_vec3 direction) {
+    return mcv_emitter_element_by(world, emitter, surface, direction,
+                                  MCV_SENDS_BY_PIXEL(world.emitters + emitter));
 }
 
 #endif

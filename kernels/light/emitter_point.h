@@ -172,7 +172,7 @@ MCV_LOOP_FUNCTION mcv_shadow mcv_shadow_by_image(mcv_world world, mcv_vec3 recei
         mcv_dim(mcv_emitted_by(world, there, emitter, back, by_pixel), 1.0f / shadow.density);
     MCV_EACH_CHANNEL(i) shadow.light.c[i] = lit ? light.c[i] : 0.0f;
     if (MCV_WITH_RECORDS)
-        shadow.emitter_element = mcv_emitter_element_of(world, emitter, there, back);
+        shadow.emitter_element = mcv_emitter_element_by(world, emitter, there, back, by_pixel);
     return shadow;
 }
 #endif

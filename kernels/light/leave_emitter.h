@@ -87,8 +87,8 @@ MCV_LOOP_FUNCTION void mcv_leave_point(mcv_world world, mcv_surface surface, mcv
     mcv_color radiance = mcv_full_radiance(world, surface, path->emitter);
     const float profile = mcv_radiance_share(e, surface.face, surface.normal, direction);
     float sent = (own & (e->type == MCV_EMITTER_PARALLEL)) ? 1.0f : profile;
-#if (MCV_WITH_LIGHT_FIELD || MCV_WITH_PROJECTOR) && MCV_WITH_TEXTURE
-    if (e->type == MCV_EMITTER_LIGHT_FIELD_EMITTER || e->type == MCV_EMITTER_PROJECTOR) {
+#if MCV_WITH_TEXTURE
+    if (MCV_SENDS_BY_PIXEL(e)) {
         radiance = mcv_emitted(world, surface, path->emitter, direction);
         sent = 1.0f;
     }

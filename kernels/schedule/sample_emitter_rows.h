@@ -78,9 +78,7 @@ MCV_LOOP_FUNCTION void mcv_sample_point_row(mcv_world world, mcv_slot slot, uint
  * compiler. */
 MCV_LOOP_FUNCTION void mcv_light_point_row(mcv_world world, mcv_slot slot, uint emitter,
                                            const uint *chosen, uint count, int by_pixel) {
-#if !MCV_WITH_RECORDS
     MCV_VECTORIZE_MASKED
-#endif
     for (uint i = 0; i < count; ++i) {
         slot.index = chosen[i];
         const mcv_receiver at = mcv_receiver_of(mcv_make_interaction(world, slot));

@@ -81,9 +81,7 @@ MCV_BATCH void mcv_apply_target_images(mcv_world world, uint *paths, const uint 
         flags[i] = (mcv_hit_of(hits, listed[i]).t > -INFINITY) &
                    mcv_target_has_image(world, mcv_slot_at(paths, listed[i]));
     const uint chosen_count = mcv_compact_row(flags, listed, count, chosen);
-#if !MCV_WITH_RECORDS
     MCV_VECTORIZE_MASKED
-#endif
     for (uint i = 0; i < chosen_count; ++i)
         mcv_apply_target_image(world, mcv_slot_at(paths, chosen[i]), mcv_hit_of(hits, chosen[i]));
 }

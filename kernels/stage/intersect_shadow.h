@@ -30,16 +30,17 @@ MCV_LOOP_FUNCTION void mcv_apply_target_image(mcv_world world, mcv_slot slot, mc
     const mcv_surface there = mcv_surface_at(world, hit.primitive, hit.u, hit.v);
     const uint emitter = world.instances[there.instance].emitter;
     /* An image whose pixels are told apart is white (host/transport/white.h). */
-    if (MCV_WITH_RECORDS && world.emitters[emitter].emitter_element_width > 0u) {
-        MCV_WORD(slot, shadow_emitter_element, 0) = mcv_emitter_element_of(
-            world, emitter, there,
-            mcv_scale(mcv_normalize(MCV_LOAD_3(slot, shadow_direction)), -1.0f));
-        return;
-    }
+    const int white = MCV_WITH_RECORDS ? world.emitters[emitter].emitter_element_width > 0u : 0;
+    const mcv_color image = mcv_texture_at(world, there, world.emitters[emitter].texture);
     mcv_color light;
     MCV_LOAD_COLOR(slot, shadow_light, light);
-    light = mcv_tint(light, mcv_texture_at(world, there, world.emitters[emitter].texture));
+    const mcv_color tinted = mcv_tint(light, image);
+    MCV_EACH_CHANNEL(i) light.c[i] = white ? light.c[i] : tinted.c[i];
     MCV_STORE_COLOR(slot, shadow_light, light);
+    if (MCV_WITH_RECORDS)
+        MCV_WORD(slot, shadow_emitter_element, 0) = mcv_emitter_element_by(
+            world, emitter, there,
+            mcv_scale(mcv_normalize(MCV_LOAD_3(slot, shadow_direction)), -1.0f), 0);
 }
 #endif
 

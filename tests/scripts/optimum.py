@@ -66,9 +66,14 @@ def make_bubble(program, source, folder):
     return "bubble.gltf"
 
 
-def rows_of(path):
+def all_rows(path):
     with open(path, encoding="utf-8", newline="") as file:
-        return [row for row in csv.DictReader(file) if not row["message"]]
+        return list(csv.DictReader(file))
+
+
+def rows_of(path):
+    """Those that did not fail."""
+    return [row for row in all_rows(path) if not row["message"]]
 
 
 def steps_of(item):
@@ -93,14 +98,14 @@ def checked(program, folder, rig, case, points):
 
 
 def search(program, folder, rig, case):
-    """The optimum, and how many renders it took."""
+    """The optimum, and how many renders it took, those that failed among them."""
     words = ["optimize", rig, "-o", "optimum.csv", "--force", "--objective", "value=largest",
              "--spp", str(case["samples"]["search"]), "--json", *case["measure"]]
     for item in case["vary"]:
         words += ["--vary", item]
     report = json.loads(run(program, folder, words))
     best = {name: repr(value) for name, value in report["winner"]["parameters"].items()}
-    return best, len(rows_of(folder / "optimum.csv"))
+    return best, len(all_rows(folder / "optimum.csv"))
 
 
 def grid(program, folder, rig, case):

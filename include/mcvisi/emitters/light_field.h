@@ -51,11 +51,12 @@ MCV_LOOP_FUNCTION int mcv_light_field_pixel(MCV_GLOBAL const mcv_light_field_emi
                                             uint *row) {
     const float d_x = mcv_dot(direction, mcv_vec(emitter->x[0], emitter->x[1], emitter->x[2]));
     const float d_y = mcv_dot(direction, mcv_vec(emitter->y[0], emitter->y[1], emitter->y[2]));
+    const int within = (mcv_abs(d_x) <= 1.0f) & (mcv_abs(d_y) <= 1.0f);
     *column = mcv_cell(s, emitter->macro_width) * emitter->angular_width +
-              mcv_cell(0.5f * d_x + 0.5f, emitter->angular_width);
+              mcv_cell(within ? 0.5f * d_x + 0.5f : 0.0f, emitter->angular_width);
     *row = mcv_cell(t, emitter->macro_height) * emitter->angular_height +
-           mcv_cell(0.5f - 0.5f * d_y, emitter->angular_height);
-    return (mcv_abs(d_x) <= 1.0f) & (mcv_abs(d_y) <= 1.0f);
+           mcv_cell(within ? 0.5f - 0.5f * d_y : 0.0f, emitter->angular_height);
+    return within;
 }
 
 #endif
