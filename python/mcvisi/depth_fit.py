@@ -84,15 +84,20 @@ def _check_lens(header: Mapping[str, Any]) -> None:
             )
 
 
-def _check_exposure(header: Mapping[str, Any], values: Any) -> None:
-    """Saturated pixels take contrast from the sharper image, which then seems to be less sharp."""
-    full = 2.0 ** float(header.get("mcvisi:bits", np.inf)) - 1
-    saturated = int(np.count_nonzero(values >= full))
-    if saturated:
-        raise BadInput(
-            "depth: %d of %d pixels of the region are saturated in an image, which changes its "
-            "blur: expose less, as by expose_to=0.2" % (saturated, values.size)
-        )
+def _full(header: Mapping[str, Any]) -> float:
+    """The grey value [DN] of a saturated pixel: the full well's, or the largest of its bits."""
+    largest = 2.0 ** float(header.get("mcvisi:bits", np.inf)) - 1
+    electrons = float(header.get("mcvisi:fullWell", np.inf))
+    gain = float(header.get("mcvisi:gain", 1))
+    well = float(header.get("mcvisi:blackLevel", 0)) + gain * electrons
+    return float(min(largest, np.floor(well + 0.5)))  # as the camera rounds
+
+
+def _pedestal(header: Mapping[str, Any]) -> float:
+    """The mean grey value [DN] without light."""
+    electrons = float(header.get("mcvisi:darkElectrons", 0))
+    gain = float(header.get("mcvisi:gain", 1))
+    return float(header.get("mcvisi:blackLevel", 0)) + gain * electrons
 
 
 class _View:
@@ -108,14 +113,16 @@ class _View:
         _check_lens(header)
         values = np.asarray(image.array, float)
         self.cut = _place(region, values.shape)
-        _check_exposure(header, values[self.cut])
+        self.saturated = values >= _full(header)
         # Exposures differ: what counts is the texture over its mean.
+        values = values - _pedestal(header)
         mean = np.mean(values[self.cut])
         variance = np.mean(np.asarray(image.error, float)[self.cut] ** 2)
         if not (mean > 0 and variance > 0):
             raise BadInput(
-                "depth: an image has the mean %g and the noise %g in the region: both must be "
-                "above 0, so light the region, and expose with noise" % (mean, variance**0.5)
+                "depth: an image has the mean %g above its dark level and the noise %g in the "
+                "region: both must be above 0, so light the region, and expose with noise"
+                % (mean, variance**0.5)
             )
         self.values = values / mean - 1
         self.variance = variance / mean**2
@@ -138,6 +145,28 @@ class _View:
         across = np.exp(-2j * np.pi * aside[0] * np.outer(columns, middle))
         down = np.exp(2j * np.pi * aside[1] * np.outer(rows, middle))
         return np.asarray(down @ self.cells @ across.T)
+
+
+def _check_exposure(views: Sequence[_View], nearnesses: Sequence[float]) -> None:
+    """Saturated pixels take contrast from the sharper image, which then seems to be less sharp.
+    Those beside the region count, too: each image is blurred as the others are at these depths."""
+    right, down = (
+        int(np.ceil(max(abs(v.focus - n) * v.reach[axis] for v in views for n in nearnesses)))
+        for axis in (0, 1)
+    )
+    rows, columns = views[0].cut
+    for view in views:
+        about = view.saturated[
+            max(rows.start - down, 0) : rows.stop + down,
+            max(columns.start - right, 0) : columns.stop + right,
+        ]
+        count = int(np.count_nonzero(about))
+        if count:
+            raise BadInput(
+                "depth: %d of %d pixels of the region, and of what blurs into it, are saturated in "
+                "an image, which changes its blur: expose less, as by expose_to=0.2"
+                % (count, about.size)
+            )
 
 
 def _window(count: int, flat: float) -> "np.ndarray[Any, Any]":
@@ -210,6 +239,7 @@ def best_depth(
     shapes = {view.values.shape for view in views}
     if len(shapes) > 1:
         raise UsageError("depth: the images have several sizes")
+    _check_exposure(views, (1 / near, 1 / far))
     fit = _Fit(views, shapes.pop())
     pixels = max(max(view.reach) for view in views)  # that nearness moves the rim of the aperture
     steps = int(np.ceil((1 / near - 1 / far) * pixels * 4)) + 3

@@ -27,9 +27,13 @@ def depth(
     uncertainty is that of the noise that the images state, for small errors. misfit is 1 where
     images differ by noise alone.
 
-    region: X, Y, W, H in pixels, wider than the blur. BadInput for images without an error or light,
-    with saturated pixels in the region, or of a camera without a lens, or with tilt or distortion;
-    UsageError for what does not fit together.
+    Discs, and other apertures that half a turn leaves as they are, cannot tell the side of the
+    focus: near and far must lie on one side of it, or the depth may be the mirrored one.
+
+    region: X, Y, W, H in pixels, wider than the blur. Black level and dark electrons of the header
+    are no light. BadInput for images without an error or light, with pixels at the full well or the
+    largest grey value in the region or in what blurs into it from near to far, or of a camera
+    without a lens, or with tilt or distortion; UsageError for what does not fit together.
     """
     from mcvisi.depth_fit import best_depth
 

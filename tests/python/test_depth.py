@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: Apache-2.0
-"""Depth of a flat texture from two half apertures: its error is what the noise says."""
+"""Depth of a flat texture from two apertures: its error is what the noise says."""
 
 import base64
 import struct
@@ -106,6 +106,78 @@ def test_binned_pixels(wall):
     assert abs(found.depth - 0.306) < 4 * found.uncertainty
 
 
+@pytest.fixture(scope="module")
+def discs():
+    """Light through a wide and a narrow disc, 6 mm behind the focus."""
+    cells = np.random.default_rng(1).integers(0, 256, (SIDE, SIDE), dtype=np.uint8)
+    wall, lit = _rig(cells), []
+    wall["nodes/camera/translation"] = [0, 0, 0.306]
+    for k, number in enumerate((2, 5.6)):
+        wall["sensors/camera/fNumber"] = number
+        lit.append(wall.render(spp=256, seed=50 + k, device="reference", progress=False))
+    return lit
+
+
+def _exposed(lit, exposures, **camera):
+    return [
+        light.camera(expose_to=exposure, lens_mtf="none", seed=k, **camera)
+        for k, (light, exposure) in enumerate(zip(lit, exposures))
+    ]
+
+
+@pytest.mark.parametrize(
+    "camera",
+    ({"black_level": 200}, {"dark_current": 2e5, "exposure_time": 0.01, "gain": 0.2}),
+    ids=("black level", "dark current"),
+)
+def test_pedestal(discs, camera):
+    """
+    200 DN, and 2000 electrons, are no light. As such they would take contrast, most from the darker
+    image: 200 DN would move the depth by 3 mm, some 50 uncertainties, and with 2000 electrons no
+    depth would be found. Of normal numbers all lie within four.
+    """
+    seen = _exposed(discs, (0.2, 0.1), **camera)
+    found = mv.depth(seen, (16, 16, 64, 64), near=0.301, far=0.33)
+    print("error %.3g, u %.3g" % (found.depth - 0.306, found.uncertainty))
+    assert abs(found.depth - 0.306) < 4 * found.uncertainty
+    assert found.uncertainty < 1e-4
+
+
+@pytest.mark.parametrize("gain, black", ((0.1, 0), (0.1, 30), (0.10004, 0)))
+def test_full_well(discs, gain, black):
+    """10000 electrons are 1000 DN at this gain, far below the 4095 of 12 bits, and rounded."""
+    camera = {"full_well": 10000, "gain": gain, "black_level": black}
+    region = (16, 16, 64, 64)
+    mv.depth(_exposed(discs, (0.2, 0.2), **camera), region, near=0.301, far=0.33)
+    seen = _exposed(discs, (0.9, 0.9), **camera)
+    assert np.max(seen[0].array) == 1000 + black
+    with pytest.raises(mv.BadInput, match="are saturated in an image"):
+        mv.depth(seen, region, near=0.301, far=0.33)
+
+
+@pytest.mark.parametrize("spoilt", (0, 1), ids=("wide", "narrow"))
+def test_saturated_beside_the_region(discs, spoilt):
+    """
+    A pixel outside counts where the widest blur reaches the region: the narrow disc's image is
+    blurred as the wide one's. With b = 1/(1/f - 1/w) = 27.3 mm, the image distance, the blur of f/2
+    at 0.33 m has the radius (1/w - 1/z) b²/(2 N p) = 5.6 pixels, up to 6.
+    """
+    seen = _exposed(discs, (0.2, 0.2))
+    image = seen[spoilt]
+
+    def look(*places):
+        values = np.array(image.array)
+        for place in places:
+            values[place] = 4095
+        seen[spoilt] = mv.Image(values, image.error, image.attributes)
+        return mv.depth(seen, (16, 16, 64, 64), near=0.301, far=0.33)
+
+    for place in ((10, 40), (85, 40), (40, 10), (40, 85)):
+        with pytest.raises(mv.BadInput, match="1 of 5776 pixels of the region, and of what blurs"):
+            look(place)
+    look((9, 40), (86, 40), (40, 9), (40, 86))
+
+
 def test_what_does_not_fit(wall):
     half = _look(wall, FOCUS, 0, 1)
     with pytest.raises(mv.UsageError, match="give two or more"):
@@ -125,13 +197,13 @@ def test_what_cannot_be_measured(wall):
     for wrong in ((16, 16, 64), "16,16,64,64", (16, 16, 64.5, 64), None):
         with pytest.raises(mv.UsageError, match="region must be X, Y, W, H"):
             mv.depth([half, half], wrong, 0.25, 0.36)
-    with pytest.raises(mv.BadInput, match="pixels of the region are saturated"):
+    with pytest.raises(mv.BadInput, match="are saturated in an image"):
         mv.depth([half, _look(wall, FOCUS, 0, 1, spp=1, exposure=0.9)], region, 0.25, 0.36)
     wall["emitters/wall/radiance"] = 0
     try:
         lit = wall.render(spp=1, device="reference", progress=False)
         dark = lit.camera(electrons_per_unit=1, noise_free=True)
-        with pytest.raises(mv.BadInput, match="has the mean 0 and"):
+        with pytest.raises(mv.BadInput, match="has the mean 0 above its dark level and"):
             mv.depth([half, dark], region, 0.25, 0.36)
     finally:
         wall["emitters/wall/radiance"] = 1
