@@ -206,6 +206,7 @@ static mcv_result set_attributes(const part *parts, size_t count, const mcv_film
     const mcv_attribute own[] = {
         {.name = "mcvisi:firstSample", .numbers = {(double)parts[0].first}, .count = 1},
         {.name = "mcvisi:samplesPerReplicate", .numbers = {(double)film->samples}, .count = 1},
+        {.name = MCV_EXR_CHANNELS, .numbers = {mcv_film_channel_correlation(film)}, .count = 1},
         {.name = "mcvisi:lostEnergy", .numbers = {paths > 0 ? lost / paths : 0}, .count = 1},
         {.name = "mcvisi:nonfinite", .numbers = {nonfinite}, .count = 1},
         {.name = "mcvisi:seconds", .numbers = {seconds}, .count = 1},

@@ -96,11 +96,11 @@ __kernel void find_light_field_pixels(__global const mcv_light_field_emitter *em
                                       __global const float *cases, __global uint *pixels) {
     const uint i = get_global_id(0);
     __global const float *in = cases + 5 * i;
-    uint column = MCV_NONE;
-    uint row = MCV_NONE;
-    mcv_light_field_pixel(emitter, in[0], in[1], mcv_vec(in[2], in[3], in[4]), &column, &row);
-    pixels[2 * i] = column;
-    pixels[2 * i + 1] = row;
+    uint column, row;
+    const int lit =
+        mcv_light_field_pixel(emitter, in[0], in[1], mcv_vec(in[2], in[3], in[4]), &column, &row);
+    pixels[2 * i] = lit ? column : MCV_NONE;
+    pixels[2 * i + 1] = lit ? row : MCV_NONE;
 }
 
 /* cases: place on the lens, direction; places on the image, -1 where it is dark. */
