@@ -48,8 +48,8 @@ static pixel pixel_at(const mcv_pairs *p, double full_well, size_t i) {
 
 /*
  * Sums over the pixels. In units of σ: m², without its error v/R; and what Var Σ(mean² - v/R)
- * takes, 4 Σ m² v/R + 2 Σ v²/(R (R - 1)) for normal errors, whose estimates are unbiased:
- * v² (R - 1)/(R + 1) for v², and mean² v less that over R for m² v.
+ * takes, of the covariances V of a pixel's channels 4 Σ mᵀVm/R + 2 Σ tr V²/(R (R - 1)) for normal
+ * errors.
  */
 typedef struct sums {
     double values, without, difference, variance; /* in electrons */
@@ -58,20 +58,38 @@ typedef struct sums {
     uint64_t visible;
 } sums;
 
-static void add(sums *s, const pixel *at, double noise, double replicates) {
-    const double left = at->mean * at->mean - at->variance / replicates,
-                 v2 = at->variance * at->variance * (replicates - 1) / (replicates + 1),
-                 cross = at->mean * at->mean * at->variance - v2 / replicates;
-    s->values += 1;
-    s->without += at->without;
-    s->difference += at->mean;
-    s->variance += at->variance / replicates;
-    s->power += left;
-    s->power_cross += cross;
-    s->power_fourth += v2;
-    s->squared += left / noise;
-    s->cross += cross / (noise * noise);
-    s->fourth += v2 / (noise * noise);
+/* The channels of one pixel, with weights w: 1/σ², or 1 for electrons. */
+typedef struct channels {
+    double errors[MCV_MAX_REPLICATES]; /* of each pair x: Σ w mean (x - mean) */
+    double left;                       /* Σ w (mean² - v/R) */
+    double variances, squares;         /* Σ w v and Σ (w v)² */
+} channels;
+
+static void add_channel(channels *all, const mcv_pairs *p, const double *errors, const pixel *at,
+                        double weight) {
+    const double replicates = p->replicates, v = weight * at->variance,
+                 left = at->mean * at->mean - at->variance / replicates;
+    for (uint32_t r = 0; r < p->replicates; ++r) all->errors[r] += weight * at->mean * errors[r];
+    all->left += weight * left;
+    all->variances += v;
+    all->squares += v * v;
+}
+
+/*
+ * Adds what the channels have together. Estimates are unbiased: of v² it is v² (R - 1)/(R + 1), of
+ * V_cd² = ρ² v_c v_d the product of both over 1 + 2 ρ²/(R - 1), and of mᵀVm what the pairs show
+ * less tr V²/R.
+ */
+static void add_together(const channels *all, uint32_t replicates, double rho, double *squared,
+                         double *cross, double *fourth) {
+    const double r = replicates, shared = rho * rho / (1 + 2 * rho * rho / (r - 1)),
+                 trace = all->squares * (r - 1) / (r + 1) +
+                         shared * (all->variances * all->variances - all->squares);
+    double variance = 0;
+    for (uint32_t k = 0; k < replicates; ++k) variance += all->errors[k] * all->errors[k] / (r - 1);
+    *squared += all->left;
+    *cross += variance - trace / r;
+    *fourth += trace;
 }
 
 /*
@@ -100,16 +118,6 @@ static double correlation_of_channels(const mcv_pairs *p, const mcv_camera *came
     return product > 0 ? covariance / product : 0;
 }
 
-/* How neighbours and channels share errors: of C channels alike a sum has 1 + ρ (C - 1) times the
- * variance, and one of squares 1 + ρ² (C - 1) times. */
-static mcv_correlation shared_errors(const mcv_pairs *p, const mcv_camera *camera) {
-    const double rho = correlation_of_channels(p, camera), others = p->channels - 1.0;
-    mcv_correlation all = p->correlation;
-    all.sum *= fmax(0, 1 + rho * others);
-    all.squares *= 1 + rho * rho * others;
-    return all;
-}
-
 /* The variance of Σ(mean² - v/R). The sum over m² v may come out below 0: then there is no signal.
  */
 static double variance_of(double cross, double fourth, const mcv_correlation *rho, double r) {
@@ -127,8 +135,8 @@ static mcv_quantity root_of(double value, double variance, double low_high[2]) {
                           value > 2 * u ? u / (2 * root) : (low_high[1] - low_high[0]) / 3.92};
 }
 
-static void finish(const sums *s, const mcv_pairs *p, const mcv_correlation *rho,
-                   mcv_detection *d) {
+static void finish(const sums *s, const mcv_pairs *p, mcv_detection *d) {
+    const mcv_correlation *rho = &p->correlation;
     const double r = p->replicates, n = s->values;
     double ends[2];
     *d = (mcv_detection){.values = (uint64_t)n, .mean = s->without / n, .visible = s->visible};
@@ -145,6 +153,38 @@ static void finish(const sums *s, const mcv_pairs *p, const mcv_correlation *rho
     d->high = ends[1];
 }
 
+/* Adds the channels of a pixel that the camera reads. The largest |Δ|/σ of them. */
+static double add_pixel(sums *s, const mcv_pairs *p, const mcv_camera *camera, double threshold,
+                        double rho, size_t i) {
+    const size_t plane = (size_t)p->width * p->height;
+    const uint32_t column = (uint32_t)(i % p->width), row = (uint32_t)(i / p->width);
+    double sums_of_errors[MCV_MAX_REPLICATES] = {0}, largest = 0;
+    channels in_sigmas = {0}, in_electrons = {0};
+    for (uint32_t c = 0; c < p->channels; ++c) {
+        if (!is_read(camera, p->channels, c, column, row)) continue;
+        const pixel at = pixel_at(p, camera->full_well, c * plane + i);
+        const double noise = mcv_detect_variance(camera, at.without),
+                     sigmas = fabs(at.mean) / sqrt(noise);
+        double errors[MCV_MAX_REPLICATES];
+        for (uint32_t r = 0; r < p->replicates; ++r) {
+            errors[r] = pair_at(p, camera->full_well, r, c * plane + i).mean - at.mean;
+            sums_of_errors[r] += errors[r];
+        }
+        add_channel(&in_sigmas, p, errors, &at, 1 / noise);
+        add_channel(&in_electrons, p, errors, &at, 1);
+        s->values += 1;
+        s->without += at.without;
+        s->difference += at.mean;
+        s->visible += sigmas >= threshold;
+        largest = fmax(largest, sigmas);
+    }
+    for (uint32_t r = 0; r < p->replicates; ++r)
+        s->variance += sums_of_errors[r] * sums_of_errors[r] / (p->replicates - 1) / p->replicates;
+    add_together(&in_sigmas, p->replicates, rho, &s->squared, &s->cross, &s->fourth);
+    add_together(&in_electrons, p->replicates, rho, &s->power, &s->power_cross, &s->power_fourth);
+    return largest;
+}
+
 mcv_result mcv_detect(const mcv_pairs *pairs, const mcv_camera *camera, double threshold,
                       mcv_image *visible, mcv_detection *detection, mcv_error *error) {
     const size_t plane = (size_t)pairs->width * pairs->height;
@@ -153,20 +193,12 @@ mcv_result mcv_detect(const mcv_pairs *pairs, const mcv_camera *camera, double t
         MCV_TRY(mcv_image_new(visible, pairs->width, pairs->height, 1, error));
         for (size_t i = 0; i < plane; ++i) visible->pixels[i] = 0;
     }
-    for (uint32_t c = 0; c < pairs->channels; ++c)
-        for (size_t i = 0; i < plane; ++i) {
-            if ((pairs->inside && !pairs->inside[i]) ||
-                !is_read(camera, pairs->channels, c, (uint32_t)(i % pairs->width),
-                         (uint32_t)(i / pairs->width)))
-                continue;
-            const pixel at = pixel_at(pairs, camera->full_well, c * plane + i);
-            const double noise = mcv_detect_variance(camera, at.without),
-                         sigmas = fabs(at.mean) / sqrt(noise);
-            add(&s, &at, noise, pairs->replicates);
-            s.visible += sigmas >= threshold;
-            if (visible) visible->pixels[i] = fmaxf(visible->pixels[i], (float)sigmas);
-        }
-    const mcv_correlation shared = shared_errors(pairs, camera);
-    finish(&s, pairs, &shared, detection);
+    const double rho = correlation_of_channels(pairs, camera);
+    for (size_t i = 0; i < plane; ++i) {
+        if (pairs->inside && !pairs->inside[i]) continue;
+        const double sigmas = add_pixel(&s, pairs, camera, threshold, rho, i);
+        if (visible) visible->pixels[i] = (float)sigmas;
+    }
+    finish(&s, pairs, detection);
     return MCV_OK;
 }
