@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What is probably wrong with a scene. A finding is one sentence for people: it names the number
- * that shows the fault, and a remedy. It also has a severity and a path into the scene. Each rule
- * is certain of its statement; a scene without findings may still be wrong.
+ * What is probably wrong with a scene. A finding is a sentence for people, or a few: it names the
+ * number that shows the fault, and a remedy. It also has a severity and a path into the scene. Each
+ * rule is certain of its statement; a scene without findings may still be wrong.
  */
 #ifndef MCVISI_HOST_CHECK_FINDINGS_H
 #define MCVISI_HOST_CHECK_FINDINGS_H
@@ -28,7 +28,7 @@ extern const char *const mcv_severities[];
 typedef struct mcv_finding {
     mcv_severity severity;
     char *path;     /* as in --set, sensors/cam/pixelSize; "": the whole scene */
-    char *sentence; /* without a full stop */
+    char *sentence; /* without a full stop at the end */
 } mcv_finding;
 
 typedef struct mcv_findings {

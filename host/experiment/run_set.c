@@ -53,8 +53,9 @@ mcv_result mcv_sweep_stopped(const mcv_sweep *s, mcv_error *error) {
     if (stopped == MCV_OK) return MCV_OK;
     if (!s->experiment->table)
         return mcv_fail(error, stopped, "interrupted after %zu sets", s->table.row_count);
-    return mcv_fail(error, stopped, "interrupted: continue by %s; %zu rows are in %s",
-                    what_continues(s), s->table.row_count, s->table.path);
+    return mcv_fail(error, stopped, "interrupted: continue by %s; %zu %s in %s", what_continues(s),
+                    s->table.row_count, s->table.row_count == 1 ? "row is" : "rows are",
+                    s->table.path);
 }
 
 bool mcv_sweep_goes_on(void *user, double fraction, double seconds, double error) {

@@ -79,7 +79,7 @@ static size_t begin_study(int effort, char line[1024]) {
 static void test_a_study_stops(void **state) {
     (void)state;
     expect_130(&(work){begin_study, "study-sweep.csv", 3});
-    if (!strstr(said, "continue by the same command; 1 rows are in study-sweep.csv"))
+    if (!strstr(said, "continue by the same command; 1 row is in study-sweep.csv"))
         fail_msg("no sentence says how it continues: %s", said);
     assert_int_equal(access("study-pod.html", F_OK), -1); /* it has pictures */
 }
@@ -99,7 +99,7 @@ static size_t begin_search(int effort, char line[1024]) {
 static void test_a_search_stops(void **state) {
     (void)state;
     expect_130(&(work){begin_search, "s.csv", 0});
-    if (!strstr(said, "continue by --resume; ") || !strstr(said, "rows are in s.csv"))
+    if (!strstr(said, "continue by --resume; ") || !strstr(said, " in s.csv"))
         fail_msg("no sentence says how it continues: %s", said);
     /* The page is whole, but for the pictures. */
     const char *page = read_whole("s.html");
