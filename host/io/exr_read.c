@@ -61,6 +61,10 @@ mcv_result mcv_exr_read(const char *path, mcv_exr *exr, mcv_error *error) {
         header.attributes = NULL;
         header.attribute_count = 0;
         mcv_exr_header_free(&header);
+        const double shared = mcv_exr_channel_correlation(exr);
+        if (result == MCV_OK && !(shared >= -1 && shared <= 1))
+            result = mcv_fail(error, MCV_BAD_INPUT, "%s: %s is %g; it must be -1 to 1", path,
+                              MCV_EXR_CHANNELS, shared);
     }
     free(bytes);
     if (result != MCV_OK) mcv_exr_free(exr);

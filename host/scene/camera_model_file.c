@@ -244,7 +244,8 @@ static mcv_result get_render_error(const json_t *object, mcv_render_error *out,
     MCV_TRY(get_pair(render, "cells", out->cells, &here, error));
     MCV_TRY(get_number(render, "channels", 1, &channels, &here, error));
     MCV_TRY(get_matrix(render, "correlation", 1, 3, out->correlation, &here, error));
-    MCV_TRY(get_number(render, "channelCorrelation", 1, &out->shared, &here, error));
+    out->shared = 1;
+    MCV_TRY(mcv_json_number(render, "channelCorrelation", -1, 1, &out->shared, &here, error));
     MCV_TRY(get_number(render, "freedom", 0, &out->freedom, &here, error));
     /* Before there is memory for them: as many as the text has. */
     const size_t count = json_array_size(json_object_get(render, "level"));

@@ -330,6 +330,31 @@ static void test_damage_is_reported(void **state) {
     assert_false(survives("/dev/zero"));
 }
 
+/* The channels of a picture correlate by -1 to 1: the ends are read, what lies beyond is refused.
+ */
+static void test_correlation_of_channels(void **state) {
+    static const double values[] = {-1, 1, -1.001, 1e300, NAN};
+    mcv_image image = new_image(3, 2, 3);
+    mcv_error error = {""};
+    mcv_exr exr;
+    (void)state;
+    for (size_t k = 0; k < sizeof values / sizeof values[0]; ++k) {
+        const mcv_attribute told = {.name = MCV_EXR_CHANNELS, .numbers = {values[k]}, .count = 1};
+        write_parts(&(mcv_exr_part){.name = "image", .image = image}, 1, &told, 1);
+        if (k < 2) {
+            assert_int_equal(mcv_exr_read(PATH, &exr, &error), MCV_OK);
+            assert_true(mcv_exr_channel_correlation(&exr) == values[k]);
+            mcv_exr_free(&exr);
+        } else {
+            assert_int_equal(mcv_exr_read(PATH, &exr, &error), MCV_BAD_INPUT);
+            if (!strstr(error.text, PATH) || !strstr(error.text, "must be -1 to 1"))
+                fail_msg("%g: %s", values[k], error.text);
+        }
+    }
+    mcv_image_free(&image);
+    unlink(PATH);
+}
+
 /* 87 files that have crashed OpenEXR, and three with extreme values. */
 static void test_collected_files(void **state) {
     (void)state;
@@ -381,6 +406,7 @@ int main(void) {
         cmocka_unit_test(test_header_bytes_are_the_standards),
         cmocka_unit_test(test_writing_refuses_by_name),
         cmocka_unit_test(test_damage_is_reported),
+        cmocka_unit_test(test_correlation_of_channels),
         cmocka_unit_test(test_collected_files),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -312,11 +312,12 @@ static void test_sizes_that_overflow(void **state) {
  * An image with a contour through its cells, whose errors are 0.25 DN on one side and 3 DN on the
  * other, in two channels: the text gives back each pixel's error, to half a thousandth. A text of
  * older versions, which tells neither edges apart nor of channels, does as well. One with too few
- * numbers or absurdly many cells is refused.
+ * numbers, absurdly many cells or a correlation below -1 is refused.
  */
 static void test_error_of_the_render(void **state) {
-    static const char *const lists[] = {"level",       "milliBelow", "milliAbove", "microEdgeBelow",
-                                        "correlation", "cells",      "channels"};
+    static const char *const lists[] = {"level",          "milliBelow",        "milliAbove",
+                                        "microEdgeBelow", "correlation",       "cells",
+                                        "channels",       "channelCorrelation"};
     enum { WIDTH = 41, HEIGHT = 19, COUNT = 2 * WIDTH * HEIGHT };
     float values[COUNT], errors[COUNT];
     const mcv_image grey = {.width = WIDTH, .height = HEIGHT, .channels = 2, .pixels = values};
@@ -365,8 +366,9 @@ static void test_error_of_the_render(void **state) {
             json_array_remove(list, 0);
         else
             json_object_set_new(render, lists[i],
-                                i == 5 ? json_pack("[i,i]", 1 << 24, 1 << 24)
-                                       : json_integer(1 << 20));
+                                i == 5   ? json_pack("[i,i]", 1 << 24, 1 << 24)
+                                : i == 6 ? json_integer(1 << 20)
+                                         : json_real(-1.001));
         char *damaged = json_dumps(object, 0);
         mcv_camera_model none;
         assert_int_equal(mcv_camera_model_read(damaged, "image.png", &none, &is_one, &error),
