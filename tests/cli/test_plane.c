@@ -230,7 +230,7 @@ static void draw_blurred(double place, float values[ROWS]) {
 /*
  * Diffraction gives the line wings that fall as 2 λN/(π³ x²) of its light. A centre of gravity
  * leaves out more of them on one side, up to 0.01 pixels. The biases are those of
- * docs/triangulation .md, of a line that is drawn and blurred, and the rendered picture's places
+ * docs/triangulation.md, of a line that is drawn and blurred, and the rendered picture's places
  * are that line's. Only columns 14 pixels from both borders count: beyond a border the outermost
  * pixels go on, where the line should rise. 4096 samples leave 1e-4 pixels of places, and the line,
  * which runs aslant, has frequencies that are 0.3 % higher than those along a column: 0.3 % of 0.03
@@ -265,8 +265,10 @@ static void test_diffraction(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_places), cmocka_unit_test(test_skew), cmocka_unit_test(test_heights),
-        cmocka_unit_test(test_diffraction), /* of the picture before */
+        cmocka_unit_test(test_places),
+        cmocka_unit_test(test_skew),
+        cmocka_unit_test(test_heights),
+        cmocka_unit_test(test_diffraction),
     };
     return cmocka_run_group_tests(tests, write_scenes, leave_folder);
 }

@@ -43,7 +43,8 @@ BUBBLE = {
 def run(program, folder, words):
     done = subprocess.run([program, *words], cwd=folder, check=False, capture_output=True, text=True)
     if done.returncode:
-        sys.exit(f"mcvisi {' '.join(words)}: exit code {done.returncode}: {done.stderr}")
+        command = " ".join([pathlib.Path(program).name, *words])
+        sys.exit(f"{command}: exit code {done.returncode}: {done.stderr}")
     return done.stdout
 
 
