@@ -78,9 +78,11 @@ enum {
 #define MCV_FEATURE_BIT(NAME) (UINT64_C(1) << MCV_FEATURE_##NAME)
 #define MCV_ALL_FEATURES (UINT64_MAX >> (64 - MCV_FEATURE_COUNT))
 
-/* X(stage, condition): the stages in the order in which they run. A stage runs if its condition, in
- * terms of MCV_WITH_…, is not 0. The names are keys of `check --json`; kernels/README.md says which
- * file holds each stage. */
+/* X(stage, condition): the stages. A scene has a stage if its condition, in terms of MCV_WITH_…, is
+ * not 0. Here they stand in the order in which they run; mcv_render_slice
+ * (kernels/schedule/tile.cl) and launch_depth (host/render/schedule.c) make that order, and leave
+ * out next-event estimation at the last depth. The names are keys of `check --json`;
+ * kernels/README.md says which file holds each stage. */
 #define MCV_STAGES(X) \
     X(aim_pupils, MCV_WITH_PUPIL_GUIDE) \
     X(generate_rays, 1) \
