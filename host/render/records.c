@@ -18,7 +18,8 @@ mcv_result mcv_open_records(mcv_renderer *r) {
     size_t bytes = r->options->records->bytes > 0 ? r->options->records->bytes : RECORD_BYTES;
     if (bytes > r->cl.largest_allocation / 4) bytes = r->cl.largest_allocation / 4;
     r->frame.record_capacity = (uint32_t)((bytes - COUNT_BYTES) / record_bytes(r));
-    r->frame.splat_share = (float)(mcv_frame_splat_value(&r->frame) * (double)r->frame.splat_scale);
+    r->frame.splat_weight =
+        (float)(mcv_frame_splat_value(&r->frame) * (double)r->frame.splat_scale);
     r->records = malloc(bytes);
     if (!r->records) return mcv_fail(r->error, MCV_FAILED, "no memory for the records of a launch");
     mcv_cl_release(&r->scene.records);

@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Emitters without extent (MCV_POINT_LIGHTS) on the device: one type, MCV_EMITTER_POINT. Each has a
- * struct mcv_<name> and a function mcv_<name>_share of the angle θ from the axis. The angle is
+ * struct mcv_<name> and a function mcv_<name>_profile of the angle θ from the axis. The angle is
  * given as q = sin²(θ/2), from the chord, because a float32 cosine cannot tell 0.02° from 0.
  */
 #ifndef MCVISI_POINT_LIGHT_H
@@ -26,21 +26,21 @@ typedef struct mcv_point_light {
 } mcv_point_light;
 MCV_ASSERT_SIZE(mcv_point_light, 48);
 
-/* The share of the intensity I that is emitted in a direction (unit, away from the light). It has
- * no conditional jumps, because a vectorised loop over paths calls it. */
-MCV_LOOP_FUNCTION float mcv_point_light_share(MCV_GLOBAL const mcv_point_light *light,
-                                              mcv_vec3 direction) {
+/* The intensity in a direction (unit, away from the light), over I. It has no conditional jumps,
+ * because a vectorised loop over paths calls it. */
+MCV_LOOP_FUNCTION float mcv_point_light_profile(MCV_GLOBAL const mcv_point_light *light,
+                                                mcv_vec3 direction) {
     const mcv_vec3 chord =
         mcv_sub(direction, mcv_vec(light->axis[0], light->axis[1], light->axis[2]));
     const float q = 0.25f * mcv_dot(chord, chord);
-    float share = 0.0f;
+    float profile = 0.0f;
 #define MCV_X(name, key, NAME) \
-    share = light->distribution == MCV_EMITTER_##NAME \
-                ? mcv_##name##_share(&light->as.name, light->edge, q) \
-                : share;
+    profile = light->distribution == MCV_EMITTER_##NAME \
+                  ? mcv_##name##_profile(&light->as.name, light->edge, q) \
+                  : profile;
     MCV_POINT_LIGHTS(MCV_X)
 #undef MCV_X
-    return share;
+    return profile;
 }
 
 /* Irradiance over intensity at a distance [1/m²], including the range. */

@@ -28,8 +28,8 @@ MCV_LOOP_FUNCTION uint mcv_cell(float x, uint count) {
     return i < count ? i : count - 1u;
 }
 
-/* The share of entry i of a table of cumulative shares, 2^31 = 1. */
-MCV_LOOP_FUNCTION float mcv_cdf_share(MCV_GLOBAL const uint *cdf, uint i) {
+/* The probability of entry i of a discrete CDF, 2^31 = 1. */
+MCV_LOOP_FUNCTION float mcv_cdf_pmf(MCV_GLOBAL const uint *cdf, uint i) {
     // NOLINTNEXTLINE(clang-analyzer-core.UndefinedBinaryOperatorResult): tables have an entry i + 1
     return (float)(cdf[i + 1] - cdf[i]) * 4.656612873077393e-10f; /* 2^-31 */
 }

@@ -2,7 +2,7 @@
 /*
  * Emitters with a surface whose radiance depends on the angle from its normal alone
  * (MCV_SURFACE_LIGHTS) on the device: one type, MCV_EMITTER_AREA. Each has a struct mcv_<name> and
- * a function mcv_<name>_share of the angle's cosine.
+ * a function mcv_<name>_profile of the angle's cosine.
  */
 #ifndef MCVISI_SURFACE_LIGHT_H
 #define MCVISI_SURFACE_LIGHT_H
@@ -21,18 +21,18 @@ typedef struct mcv_surface_light {
 } mcv_surface_light;
 MCV_ASSERT_SIZE(mcv_surface_light, 24);
 
-/* The share of L that is sent at an angle of the given cosine. Without conditional jumps: a loop
- * over paths calls it. */
-MCV_LOOP_FUNCTION float mcv_surface_light_share(MCV_GLOBAL const mcv_surface_light *light,
-                                                float cosine) {
-    float share = 0.0f;
+/* The radiance at an angle of the given cosine, over L. Without conditional jumps: a loop over
+ * paths calls it. */
+MCV_LOOP_FUNCTION float mcv_surface_light_profile(MCV_GLOBAL const mcv_surface_light *light,
+                                                  float cosine) {
+    float profile = 0.0f;
 #define MCV_X(name, key, NAME) \
-    share = light->distribution == MCV_EMITTER_##NAME \
-                ? mcv_##name##_share(&light->as.name, cosine) \
-                : share;
+    profile = light->distribution == MCV_EMITTER_##NAME \
+                  ? mcv_##name##_profile(&light->as.name, cosine) \
+                  : profile;
     MCV_SURFACE_LIGHTS(MCV_X)
 #undef MCV_X
-    return share;
+    return profile;
 }
 #endif
 

@@ -59,8 +59,7 @@ typedef struct mcv_frame {
     uint first_pixel;
     uint row_pitch;           /* … and the difference between rows */
     uint environment_emitter; /* index of the environment with an image */
-    uint light_cdf;    /* light paths: index of the first of the emitters' cumulative shares, from
-                          which they start */
+    uint light_cdf;    /* light paths: index of the CDF of the emitters, by which they start */
     uint log2_pixels;  /* number of bits of a pixel's number (by blocks) */
     float splat_scale; /* splat units per pixel value, a power of two */
     uint solid_count;
@@ -76,7 +75,7 @@ typedef struct mcv_frame {
         light_tree_depth; /* steps from its root to an emitter at most; 0: there is no light tree */
     uint environment_element;         /* its number (kernels/light/emitter_element.h) */
     uint record_capacity;             /* records that a launch has room for; 0: it makes none */
-    float splat_share;                /* what a splat of 1 adds to a pixel's sum of samples */
+    float splat_weight;               /* what a splat of 1 adds to a pixel's sum of samples */
     uint moving_nodes, moving_leaves; /* where the hierarchy of moving parts begins */
     uint padding[4];
 #if !MCV_ON_DEVICE || MCV_WITH_MOTION

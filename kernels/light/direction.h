@@ -33,10 +33,10 @@ MCV_LOOP_FUNCTION mcv_shadow mcv_sample_point_light(mcv_world world, mcv_receive
     const mcv_vec3 position = mcv_vec_at(e->light.position), towards = mcv_sub(position, at.point);
     const mcv_vec3 direction = mcv_normalize(towards);
     mcv_shadow shadow = mcv_shadow_along(at, direction, MCV_NONE, 0.0f);
-    const float share = mcv_point_light_share(&e->light, mcv_scale(direction, -1.0f)) *
-                        mcv_point_light_attenuation(&e->light, mcv_dot(towards, towards));
+    const float attenuated = mcv_point_light_profile(&e->light, mcv_scale(direction, -1.0f)) *
+                             mcv_point_light_attenuation(&e->light, mcv_dot(towards, towards));
     shadow.direction = mcv_sub(position, shadow.origin);
-    shadow.light = mcv_light_over(e, 1, share, e->probability);
+    shadow.light = mcv_light_over(e, 1, attenuated, e->probability);
     (void)world, (void)pair;
     return shadow;
 }
@@ -106,9 +106,9 @@ MCV_LOOP_FUNCTION mcv_shadow mcv_sample_sky_pixel(mcv_world world, mcv_receiver 
     const mcv_pixel pixel = mcv_sky_pixel_at(e, shadow.direction);
     const mcv_color radiance = mcv_pixel_radiance(world, e, pixel);
     shadow.density = mcv_environment_density(world, e, pixel);
-    const float share = 1.0f / shadow.density;
+    const float inverse_pdf = 1.0f / shadow.density;
     MCV_EACH_CHANNEL(i)
-    shadow.light.c[i] = shadow.density > 0.0f ? radiance.c[i] * share : 0.0f;
+    shadow.light.c[i] = shadow.density > 0.0f ? radiance.c[i] * inverse_pdf : 0.0f;
     return shadow;
 }
 

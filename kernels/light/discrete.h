@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Choosing from a table of cumulative shares, 2^31 = 1, and weighing what is chosen in two ways. */
+/* Choosing by a discrete CDF, 2^31 = 1, and weighing what is chosen in two ways. */
 #ifndef MCVISI_KERNELS_DISCRETE_H
 #define MCVISI_KERNELS_DISCRETE_H
 
@@ -34,8 +34,8 @@ MCV_LOOP_FUNCTION uint mcv_cdf_step(MCV_GLOBAL const uint *cdf, uint count, uint
 /* Where bits lies between cdf[found] and cdf[found + 1], in [0, 1). */
 MCV_LOOP_FUNCTION float mcv_cdf_remainder(MCV_GLOBAL const uint *cdf, uint found, uint bits) {
     const uint low = cdf[found];
-    const float share = (float)(bits - low) / (float)(cdf[found + 1u] - low);
-    return share < 0.99999994f ? share : 0.99999994f;
+    const float remainder = (float)(bits - low) / (float)(cdf[found + 1u] - low);
+    return remainder < 0.99999994f ? remainder : 0.99999994f;
 }
 
 MCV_FUNCTION uint mcv_search_cdf(MCV_GLOBAL const uint *cdf, uint count, uint bits) {

@@ -71,21 +71,21 @@ MCV_LOOP_FUNCTION mcv_color mcv_full_radiance(mcv_world world, mcv_surface surfa
     return radiance;
 }
 
-/* The share of its full radiance that an emitter without an image of directions sends in one (unit,
- * away from the surface). */
-MCV_LOOP_FUNCTION float mcv_radiance_share(__global const mcv_device_emitter *e, mcv_vec3 face,
-                                           mcv_vec3 normal, mcv_vec3 direction) {
-    float share = 0.0f;
+/* The radiance in a direction (unit, away from the surface) over the full radiance, of an emitter
+ * without an image of directions. */
+MCV_LOOP_FUNCTION float mcv_angular_profile(__global const mcv_device_emitter *e, mcv_vec3 face,
+                                            mcv_vec3 normal, mcv_vec3 direction) {
+    float profile = 0.0f;
     (void)e, (void)normal;
 #if MCV_WITH_PARALLEL
     const float parallel = mcv_parallel_evaluate(&e->parallel, direction, normal);
-    share = e->type == MCV_EMITTER_PARALLEL ? parallel : share;
+    profile = e->type == MCV_EMITTER_PARALLEL ? parallel : profile;
 #endif
 #if MCV_WITH_AREA
-    const float profile = mcv_surface_light_share(&e->surface_light, mcv_dot(direction, normal));
-    share = e->type == MCV_EMITTER_AREA ? profile : share;
+    const float area = mcv_surface_light_profile(&e->surface_light, mcv_dot(direction, normal));
+    profile = e->type == MCV_EMITTER_AREA ? area : profile;
 #endif
-    return mcv_dot(direction, face) > 0.0f ? share : 0.0f;
+    return mcv_dot(direction, face) > 0.0f ? profile : 0.0f;
 }
 
 /* Radiance that an emitter's surface sends in a direction (unit, away from the surface), in its
@@ -105,7 +105,7 @@ MCV_LOOP_FUNCTION mcv_color mcv_emitted_by(mcv_world world, mcv_surface surface,
     }
 #endif
     return mcv_dim(mcv_full_radiance(world, surface, emitter),
-                   mcv_radiance_share(e, surface.face, surface.normal, direction));
+                   mcv_angular_profile(e, surface.face, surface.normal, direction));
 }
 
 MCV_LOOP_FUNCTION mcv_color mcv_emitted(mcv_world world, mcv_surface surface, uint emitter,
@@ -130,18 +130,18 @@ MCV_LOOP_FUNCTION int mcv_samples_cone(__global const mcv_device_emitter *e, mcv
 }
 #endif
 
-/* Of the choices on an emitter those of a triangle. */
-MCV_LOOP_FUNCTION float mcv_triangle_share(mcv_world world, __global const mcv_device_emitter *e,
-                                           uint triangle) {
-    return mcv_cdf_share(world.emitter_cdf + e->cdf,
-                         triangle - world.instances[e->instance].first_triangle);
+/* The probability of a triangle in a choice on an emitter by area. */
+MCV_LOOP_FUNCTION float mcv_triangle_pmf(mcv_world world, __global const mcv_device_emitter *e,
+                                         uint triangle) {
+    return mcv_cdf_pmf(world.emitter_cdf + e->cdf,
+                       triangle - world.instances[e->instance].first_triangle);
 }
 
 /* The density [1/sr] of directions to a place on an emitter at the given distance, chosen uniform
  * by area. */
-MCV_LOOP_FUNCTION float mcv_area_density(__global const mcv_device_emitter *e, float share,
+MCV_LOOP_FUNCTION float mcv_area_density(__global const mcv_device_emitter *e, float pmf,
                                          mcv_surface surface, mcv_vec3 direction, float distance) {
-    return e->probability * share * distance * distance /
+    return e->probability * pmf * distance * distance /
            (surface.area * mcv_abs(mcv_dot(direction, surface.face)));
 }
 
@@ -157,12 +157,12 @@ MCV_LOOP_FUNCTION mcv_rectangle_view mcv_view_emitter(__global const mcv_device_
 #endif
 
 /* That with which next-event estimation at a receiver chooses the direction to such a place; of a
- * rectangle or not; share: its triangle's.
+ * rectangle or not; pmf: its triangle's.
  */
 MCV_LOOP_FUNCTION float mcv_density_towards(__global const mcv_device_emitter *e, int rectangle,
-                                            float share, mcv_vec3 receiver, mcv_surface surface,
+                                            float pmf, mcv_vec3 receiver, mcv_surface surface,
                                             mcv_vec3 direction, float distance) {
-    float density = mcv_area_density(e, share, surface, direction, distance);
+    float density = mcv_area_density(e, pmf, surface, direction, distance);
     (void)rectangle, (void)receiver;
 #if MCV_WITH_RECTANGLE
     if (rectangle) {
@@ -180,9 +180,8 @@ MCV_LOOP_FUNCTION float mcv_density_towards(__global const mcv_device_emitter *e
 MCV_FUNCTION float mcv_emitter_density(mcv_world world, mcv_vec3 receiver, mcv_surface surface,
                                        uint emitter, mcv_vec3 direction, float distance) {
     __global const mcv_device_emitter *e = world.emitters + emitter;
-    const float share = mcv_triangle_share(world, e, surface.primitive);
-    return mcv_density_towards(e, mcv_is_rectangle(e), share, receiver, surface, direction,
-                               distance);
+    const float pmf = mcv_triangle_pmf(world, e, surface.primitive);
+    return mcv_density_towards(e, mcv_is_rectangle(e), pmf, receiver, surface, direction, distance);
 }
 #endif
 

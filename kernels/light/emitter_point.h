@@ -17,14 +17,14 @@
 typedef struct mcv_emitter_point {
     mcv_facet facet;
     float u, v;
-    float share;   /* of the choices by area, the facet's */
+    float pmf;     /* of the facet, in a choice by area */
     float density; /* with which it is chosen [1/sr]; 0: by area */
 } mcv_emitter_point;
 
-/* The two triangles of a rectangle, and their shares. */
+/* The two triangles of a rectangle, and their probabilities. */
 typedef struct mcv_facets {
     mcv_facet first, second;
-    float first_share, second_share;
+    float first_pmf, second_pmf;
 } mcv_facets;
 
 /* The triangle that a pair chooses, counted from the emitter's first. */
@@ -44,7 +44,7 @@ MCV_LOOP_FUNCTION mcv_emitter_point mcv_point_on_mesh(mcv_world world,
     point.facet = mcv_facet_of(world, world.instances[e->instance].first_triangle + triangle);
     point.u = root * (1.0f - pair.y);
     point.v = root * pair.y;
-    point.share = mcv_cdf_share(cdf, triangle);
+    point.pmf = mcv_cdf_pmf(cdf, triangle);
     point.density = 0.0f;
     return point;
 }
@@ -79,8 +79,8 @@ MCV_LOOP_FUNCTION mcv_facets mcv_facets_of(mcv_world world, __global const mcv_d
     const uint first = world.instances[e->instance].first_triangle;
     two.first = mcv_facet_of(world, first);
     two.second = mcv_facet_of(world, first + 1u);
-    two.first_share = mcv_triangle_share(world, e, first);
-    two.second_share = mcv_triangle_share(world, e, first + 1u);
+    two.first_pmf = mcv_triangle_pmf(world, e, first);
+    two.second_pmf = mcv_triangle_pmf(world, e, first + 1u);
     return two;
 }
 
@@ -129,7 +129,7 @@ MCV_LOOP_FUNCTION mcv_emitter_point mcv_point_on_rectangle(__global const mcv_de
     point.facet = mcv_choose_facet(first, of);
     point.u = first ? u : second_u;
     point.v = first ? v : second_v;
-    point.share = first ? of->first_share : of->second_share;
+    point.pmf = first ? of->first_pmf : of->second_pmf;
     point.density = close ? e->probability / view.solid_angle : 0.0f;
     return point;
 }
@@ -144,15 +144,15 @@ MCV_LOOP_FUNCTION mcv_shadow mcv_sample_point(mcv_receiver at, __global const mc
                    back = mcv_scale(towards, -1.0f),
                    error = mcv_interaction_error(at.point, point.facet, there->error);
     const float by_area =
-        mcv_area_density(e, point.share, *there, towards, mcv_sqrt(mcv_dot(way, way)));
+        mcv_area_density(e, point.pmf, *there, towards, mcv_sqrt(mcv_dot(way, way)));
     mcv_shadow shadow =
         mcv_shadow_along(at, towards, MCV_NONE, point.density > 0.0f ? point.density : by_area);
     shadow.direction =
         mcv_sub(mcv_offset_origin(there->point, error, there->face, back), shadow.origin);
     /* Only a face seen exactly edge-on has no finite density. */
-    const float share = mcv_radiance_share(e, there->face, there->normal, back);
-    const int lit = (shadow.density > 0.0f) & (shadow.density < INFINITY) & (share > 0.0f);
-    shadow.light = mcv_light_over(e, lit, share / shadow.density, 1.0f);
+    const float profile = mcv_angular_profile(e, there->face, there->normal, back);
+    const int lit = (shadow.density > 0.0f) & (shadow.density < INFINITY) & (profile > 0.0f);
+    shadow.light = mcv_light_over(e, lit, profile / shadow.density, 1.0f);
     return shadow;
 }
 

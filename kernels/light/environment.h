@@ -17,7 +17,7 @@ MCV_LOOP_FUNCTION mcv_pixel mcv_sky_pixel_at(__global const mcv_device_emitter *
     return pixel;
 }
 
-/* The cumulative shares of a row's pixels; those of the rows come first. */
+/* The CDF of a row's pixels; that of the rows comes first. */
 MCV_LOOP_FUNCTION __global const uint *
 mcv_environment_row(mcv_world world, __global const mcv_device_emitter *e, uint row) {
     return world.emitter_cdf + e->cdf + e->environment.height + 1u +
@@ -28,9 +28,9 @@ mcv_environment_row(mcv_world world, __global const mcv_device_emitter *e, uint 
  */
 MCV_LOOP_FUNCTION float
 mcv_environment_density(mcv_world world, __global const mcv_device_emitter *e, mcv_pixel pixel) {
-    const float share = mcv_cdf_share(world.emitter_cdf + e->cdf, pixel.row) *
-                        mcv_cdf_share(mcv_environment_row(world, e, pixel.row), pixel.column);
-    return e->probability * share / mcv_environment_solid_angle(&e->environment, pixel.row);
+    const float pmf = mcv_cdf_pmf(world.emitter_cdf + e->cdf, pixel.row) *
+                      mcv_cdf_pmf(mcv_environment_row(world, e, pixel.row), pixel.column);
+    return e->probability * pmf / mcv_environment_solid_angle(&e->environment, pixel.row);
 }
 #endif
 

@@ -21,17 +21,17 @@ MCV_LOOP_FUNCTION mcv_shadow mcv_sample_laser(mcv_world world, mcv_receiver at,
 }
 
 #if MCV_WITH_LIGHT_TRACING
-/* Where a light path leaves, and in which direction; returns its share of the power over its
- * density. */
+/* Where a light path leaves, and in which direction; returns its power,
+ * relative to the laser's, over its density. */
 MCV_FUNCTION float mcv_leave_laser(mcv_world world, uint emitter, mcv_pair place, mcv_pair turn,
                                    mcv_vec3 *origin, mcv_vec3 *direction) {
     __global const mcv_device_emitter *e = world.emitters + emitter;
     const float xi[4] = {place.x, place.y, turn.x, turn.y};
     mcv_vec3 from_node;
-    const float share =
+    const float power_over_pdf =
         mcv_laser_leave(&e->laser, world.emitter_cdf + e->cdf, xi, &from_node, direction);
     *origin = mcv_add(mcv_vec_at(e->laser.position), from_node);
-    return share;
+    return power_over_pdf;
 }
 #endif
 #endif

@@ -78,14 +78,15 @@ MCV_FUNCTION uint mcv_choose_light(mcv_world world, mcv_pair pair) {
 }
 
 #if MCV_WITH_EMISSION
-/* The path leaves a point in a direction. share: of the light that goes that way; own: whether the
- * direction was chosen in the emitter's own cone, where it is, wherever rounding puts it. */
+/* The path leaves a point in a direction. factor: of the flux, where the density in étendue is not
+ * even: cos⁴ of a projector; own: whether the direction was chosen in the emitter's own cone, where
+ * it is, wherever rounding puts it. */
 MCV_LOOP_FUNCTION void mcv_leave_point(mcv_world world, mcv_surface surface, mcv_vec3 direction,
-                                       mcv_aiming aimed, float share, int own,
+                                       mcv_aiming aimed, float factor, int own,
                                        mcv_light_path *path) {
     __global const mcv_device_emitter *e = world.emitters + path->emitter;
     mcv_color radiance = mcv_full_radiance(world, surface, path->emitter);
-    const float profile = mcv_radiance_share(e, surface.face, surface.normal, direction);
+    const float profile = mcv_angular_profile(e, surface.face, surface.normal, direction);
     float sent = (own & (e->type == MCV_EMITTER_PARALLEL)) ? 1.0f : profile;
 #if MCV_WITH_TEXTURE
     if (MCV_SENDS_BY_PIXEL(e)) {
@@ -96,10 +97,10 @@ MCV_LOOP_FUNCTION void mcv_leave_point(mcv_world world, mcv_surface surface, mcv
     path->direction = direction;
     path->emitter_element = mcv_emitter_element_of(world, path->emitter, surface, direction);
     path->etendue = mcv_etendue_of(e, aimed, surface.face, direction);
-    share *= sent;
-    const int sends = (path->etendue > 0.0f) & (share > 0.0f);
+    factor *= sent;
+    const int sends = (path->etendue > 0.0f) & (factor > 0.0f);
     MCV_EACH_CHANNEL(i) {
-        const float flux = radiance.c[i] * (share * path->etendue);
+        const float flux = radiance.c[i] * (factor * path->etendue);
         path->flux.c[i] = sends ? flux : 0.0f;
     }
     path->origin = mcv_offset_origin(surface.point, surface.error, surface.face, direction);
@@ -153,17 +154,17 @@ MCV_FUNCTION void mcv_leave_surface(mcv_world world, mcv_pair place, mcv_pair tu
     mcv_cone cone = mcv_own_cone(e, surface.normal);
     mcv_aiming aimed = {0.0f, 0u};
     mcv_vec3 direction;
-    float share = 1.0f;
+    float factor = 1.0f;
 #if MCV_WITH_PROJECTOR
     if (e->type == MCV_EMITTER_PROJECTOR) {
         float cosine;
         direction = mcv_projector_emit(&e->projector, mcv_texcoord(world, surface, 0),
                                        mcv_texcoord(world, surface, 1), turn.x, turn.y, &cosine);
-        share = cosine * cosine * cosine * cosine;
+        factor = cosine * cosine * cosine * cosine;
     } else
 #endif
         direction = mcv_aim_light(world, surface.point, &cone, turn, &aimed);
-    mcv_leave_point(world, surface, direction, aimed, share, cone.own, path);
+    mcv_leave_point(world, surface, direction, aimed, factor, cone.own, path);
 #endif
 }
 #endif
@@ -179,7 +180,7 @@ MCV_FUNCTION void mcv_leave_point_light(mcv_world world, mcv_pair turn, mcv_ligh
     path->origin = mcv_vec_at(e->light.position);
     path->direction = mcv_aim_light(world, path->origin, &own, turn, &all);
     const float angle = all.within > 0u ? all.angle / (float)all.within : 0.0f;
-    path->flux = mcv_dim(path->flux, angle * mcv_point_light_share(&e->light, path->direction));
+    path->flux = mcv_dim(path->flux, angle * mcv_point_light_profile(&e->light, path->direction));
 }
 
 /* From before all surfaces, on the disks that the balls throw: one by its area, and with the
@@ -217,9 +218,9 @@ MCV_FUNCTION mcv_light_path mcv_begin_light_path(mcv_world world, mcv_pair which
 #endif
 #if MCV_WITH_LASER
     if (type == MCV_EMITTER_LASER) {
-        const float share =
+        const float power_over_pdf =
             mcv_leave_laser(world, path.emitter, place, turn, &path.origin, &path.direction);
-        path.flux = mcv_dim(path.flux, share);
+        path.flux = mcv_dim(path.flux, power_over_pdf);
         return path;
     }
 #endif

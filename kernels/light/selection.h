@@ -46,7 +46,7 @@ MCV_LOOP_FUNCTION int mcv_emitter_reaches(__global const mcv_device_emitter *e, 
 #endif
 #if MCV_WITH_PUNCTUAL
     lit &= (e->type != MCV_EMITTER_POINT) |
-           (mcv_point_light_share(&e->light, mcv_normalize(mcv_scale(way, -1.0f))) > 0.0f);
+           (mcv_point_light_profile(&e->light, mcv_normalize(mcv_scale(way, -1.0f))) > 0.0f);
 #endif
     int nowhere = e->radius < 0.0f;
 #if MCV_WITH_LASER
@@ -56,7 +56,7 @@ MCV_LOOP_FUNCTION int mcv_emitter_reaches(__global const mcv_device_emitter *e, 
     return (e->probability > 0.0f) & (nowhere | (!behind_it & !behind & lit));
 }
 
-/* The share of an emitter's power that the receiver may get, up to a factor. */
+/* The irradiance that the receiver may get from an emitter, up to a factor. */
 MCV_LOOP_FUNCTION float mcv_emitter_importance(__global const mcv_device_emitter *e,
                                                mcv_vec3 receiver) {
     const mcv_vec3 way = mcv_sub(mcv_vec(e->middle[0], e->middle[1], e->middle[2]), receiver);

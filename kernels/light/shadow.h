@@ -40,10 +40,10 @@ MCV_LOOP_FUNCTION mcv_shadow mcv_shadow_along(mcv_receiver at, mcv_vec3 directio
  * in any case: what a loop reads on a condition is gathered lane by lane.
  */
 MCV_LOOP_FUNCTION mcv_color mcv_light_over(__global const mcv_device_emitter *e, int lit,
-                                           float share, float density) {
+                                           float factor, float density) {
     mcv_color light;
     MCV_EACH_CHANNEL(i) {
-        const float sent = e->radiance[i] * share / density;
+        const float sent = e->radiance[i] * factor / density;
         light.c[i] = lit ? sent : 0.0f;
     }
     return light;

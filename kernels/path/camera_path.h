@@ -120,9 +120,9 @@
 /*
  * The surfaces that a camera path has hit so far; "diffuse" is what is `connectable`. If the sensor
  * sees a diffuse surface first, directly or through a plate, light paths carry light by smooth and
- * `near_specular` surfaces to a diffuse one. A camera path that began so shares that light with
- * them (mcv_light_share) and finds it by chance only. If the sensor sees a glossy surface first,
- * camera paths find that light: the lens would seldom lie in the surface's highlights.
+ * `near_specular` surfaces to a diffuse one. A camera path that began so is weighted against
+ * them (mcv_light_path_mis_weight) and finds it by chance only. If the sensor sees a glossy surface
+ * first, camera paths find that light: the lens would seldom lie in the surface's highlights.
  */
 enum {
     MCV_PATH_CLASS_STRAIGHT, /* nothing but what passes light straight on */

@@ -77,10 +77,10 @@ struct mcv_facets;
  * compiler. */
 MCV_LOOP_FUNCTION uint mcv_shade_lamp_hits(mcv_world world, uint *apart, uint count, uint emitter,
                                            const struct mcv_facets *two, int chosen,
-                                           const float *shares, float *values) {
+                                           const float *mis_weights, float *values) {
     __global const mcv_device_emitter *e = world.emitters + emitter;
     uint nonfinite = 0;
-    (void)two, (void)chosen, (void)shares;
+    (void)two, (void)chosen, (void)mis_weights;
 #if !MCV_WITH_RECORDS
     MCV_VECTORIZE_MASKED
 #endif
@@ -98,26 +98,25 @@ MCV_LOOP_FUNCTION uint mcv_shade_lamp_hits(mcv_world world, uint *apart, uint co
         const mcv_surface there =
             mcv_surface_on(facet, MCV_LOAD(slot, hit, 1), MCV_LOAD(slot, hit, 2));
         const float sent =
-            mcv_radiance_share(e, there.face, there.normal, mcv_scale(direction, -1.0f));
+            mcv_angular_profile(e, there.face, there.normal, mcv_scale(direction, -1.0f));
         mcv_emitter_hit met;
         met.emitter = emitter;
         met.emitter_element = mcv_first_emitter_element(world, emitter);
         met.other = 0.0f;
-        met.share = shares[slot.index];
+        met.mis_weight = mis_weights[slot.index];
         MCV_EACH_CHANNEL(c) met.radiance.c[c] = e->radiance[c] * sent;
 #if MCV_WITH_NEXT_EVENT
-        float share;
+        float pmf;
 #if MCV_WITH_RECTANGLE
         if (two)
-            share = first ? two->first_share : two->second_share;
+            pmf = first ? two->first_pmf : two->second_pmf;
         else
 #endif
-            share = mcv_triangle_share(world, e, triangle);
+            pmf = mcv_triangle_pmf(world, e, triangle);
         const float distance = MCV_LOAD(slot, hit, 0);
         const mcv_vec3 receiver = mcv_along(there.point, -distance, direction);
         if (chosen)
-            met.other =
-                mcv_density_towards(e, two != 0, share, receiver, there, direction, distance);
+            met.other = mcv_density_towards(e, two != 0, pmf, receiver, there, direction, distance);
 #endif
 #if MCV_WITH_DISPERSION
         mcv_add_emission(mcv_in_channel(world, mcv_kept_channel(mcv_path_throughput(slot))), slot,
@@ -131,16 +130,16 @@ MCV_LOOP_FUNCTION uint mcv_shade_lamp_hits(mcv_world world, uint *apart, uint co
 }
 
 #if MCV_WITH_LIGHT_TRACING
-/* mcv_camera_share */
-MCV_BATCH void mcv_share_lamp(mcv_world world, uint *apart, uint count, uint emitter,
-                              float *shares) {
+/* mcv_camera_path_mis_weight */
+MCV_BATCH void mcv_weigh_lamp_hits(mcv_world world, uint *apart, uint count, uint emitter,
+                                   float *mis_weights) {
     MCV_EACH_PATH (slot, apart, 0, count) {
         const mcv_hit hit = mcv_load_hit(slot);
         if (MCV_WORD(slot, path_class, 0) != MCV_PATH_CLASS_CARRIED) continue;
         const mcv_vec3 direction = MCV_LOAD_3(slot, direction);
         const mcv_interaction interaction =
             mcv_surface_interaction(mcv_surface_at(world, hit.primitive, hit.u, hit.v), direction);
-        shares[slot.index] = mcv_camera_share(world, slot, interaction, emitter);
+        mis_weights[slot.index] = mcv_camera_path_mis_weight(world, slot, interaction, emitter);
     }
 }
 #endif
@@ -148,20 +147,22 @@ MCV_BATCH void mcv_share_lamp(mcv_world world, uint *apart, uint count, uint emi
 /* The paths end, which have met a lamp. */
 MCV_BATCH uint mcv_terminate_at_lamp(mcv_world world, uint *apart, uint count, uint emitter,
                                      int chosen, float *values) {
-    float shares[MCV_SLOTS];
-    for (uint i = 0; i < count; ++i) shares[i] = 1.0f;
+    float mis_weights[MCV_SLOTS];
+    for (uint i = 0; i < count; ++i) mis_weights[i] = 1.0f;
 #if MCV_WITH_LIGHT_TRACING
-    if (chosen) mcv_share_lamp(world, apart, count, emitter, shares);
+    if (chosen) mcv_weigh_lamp_hits(world, apart, count, emitter, mis_weights);
 #endif
 #if MCV_WITH_RECTANGLE
     if (mcv_is_rectangle(world.emitters + emitter)) {
         const mcv_facets two = mcv_facets_of(world, world.emitters + emitter);
-        return chosen ? mcv_shade_lamp_hits(world, apart, count, emitter, &two, 1, shares, values)
-                      : mcv_shade_lamp_hits(world, apart, count, emitter, &two, 0, shares, values);
+        return chosen
+                   ? mcv_shade_lamp_hits(world, apart, count, emitter, &two, 1, mis_weights, values)
+                   : mcv_shade_lamp_hits(world, apart, count, emitter, &two, 0, mis_weights,
+                                         values);
     }
 #endif
-    return chosen ? mcv_shade_lamp_hits(world, apart, count, emitter, 0, 1, shares, values)
-                  : mcv_shade_lamp_hits(world, apart, count, emitter, 0, 0, shares, values);
+    return chosen ? mcv_shade_lamp_hits(world, apart, count, emitter, 0, 1, mis_weights, values)
+                  : mcv_shade_lamp_hits(world, apart, count, emitter, 0, 0, mis_weights, values);
 }
 #endif
 

@@ -78,17 +78,17 @@ MCV_FUNCTION int mcv_connect_light_path(mcv_world world, mcv_interaction interac
     const mcv_vec3 out = mcv_scale(seen.direction, -1.0f);
     const mcv_response response = mcv_respond(world, interaction, path.media, out);
     const float d = mcv_sqrt(mcv_dot(sensor_ray.direction, sensor_ray.direction)),
-                share = path.light_flags & MCV_LIGHT_FLAG_SPREAD
-                            ? 1.0f
-                            : mcv_within_range(world.emitters + path.emitter, path.length);
-    const mcv_color flux = mcv_dim(mcv_tint(path.flux, path.throughput), share);
+                within_range = path.light_flags & MCV_LIGHT_FLAG_SPREAD
+                                   ? 1.0f
+                                   : mcv_within_range(world.emitters + path.emitter, path.length);
+    const mcv_color flux = mcv_dim(mcv_tint(path.flux, path.throughput), within_range);
     mcv_color contribution =
         mcv_dim(mcv_tint(flux, response.f_cos),
                 mcv_flux_correction(interaction, out) * importance * d / (point.z * point.z));
     if (path.etendue > 0.0f)
-        contribution =
-            mcv_dim(contribution, mcv_light_share(world, path.etendue,
-                                                  mcv_sensor_footprint(world.sensor, point.z)));
+        contribution = mcv_dim(
+            contribution, mcv_light_path_mis_weight(world, path.etendue,
+                                                    mcv_sensor_footprint(world.sensor, point.z)));
     contribution =
         mcv_tint(contribution, mcv_medium_transmittance(world, response.media, point.z * d));
     connection->origin = mcv_offset_origin(interaction.surface.point, interaction.surface.error,

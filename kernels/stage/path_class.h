@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* What a camera path has hit, as far as light paths share its light: MCV_PATH_CLASS_… */
+/* What a camera path has hit, as far as light paths bring its light, too: MCV_PATH_CLASS_… */
 #ifndef MCVISI_KERNELS_PATH_CLASS_H
 #define MCVISI_KERNELS_PATH_CLASS_H
 
@@ -8,16 +8,17 @@
 #include "path/sensor_ray.h"
 
 #if MCV_WITH_LIGHT_TRACING
-/* What light paths leave of what the emitter sends along this path. */
-MCV_FUNCTION float mcv_camera_share(mcv_world world, mcv_slot slot, mcv_interaction interaction,
-                                    uint emitter) {
+/* The MIS weight of this path in what the emitter sends along it, against light paths. */
+MCV_FUNCTION float mcv_camera_path_mis_weight(mcv_world world, mcv_slot slot,
+                                              mcv_interaction interaction, uint emitter) {
 #if MCV_WITH_EMISSION
     if (MCV_WORD(slot, path_class, 0) != MCV_PATH_CLASS_CARRIED ||
         !mcv_has_light_paths(world, emitter))
         return 1.0f;
     const float etendue = mcv_light_etendue(world, interaction.surface, emitter,
                                             mcv_scale(interaction.direction, -1.0f));
-    if (etendue > 0.0f) return 1.0f - mcv_light_share(world, etendue, MCV_LOAD(slot, footprint, 0));
+    if (etendue > 0.0f)
+        return 1.0f - mcv_light_path_mis_weight(world, etendue, MCV_LOAD(slot, footprint, 0));
 #else
     (void)world, (void)slot, (void)interaction, (void)emitter;
 #endif

@@ -114,7 +114,7 @@ MCV_FUNCTION uint mcv_pick_emitter(mcv_world world, mcv_slot slot, uint depth) {
     return emitter;
 }
 
-/* Near-specular surfaces do not sample emitters whose light the path shares with light paths: the
+/* Near-specular surfaces do not sample emitters whose light is brought by light paths, too: the
  * path meets these by chance. */
 MCV_LOOP_FUNCTION int mcv_leaves_to_light_paths(mcv_world world, mcv_slot slot, uint emitter,
                                                 int near_specular) {
@@ -136,7 +136,7 @@ MCV_FUNCTION uint mcv_choose_emitter(mcv_world world, mcv_slot slot, uint depth)
                : emitter;
 }
 
-/* The shadow, of an emitter that is chosen by its share of the power, as that of one chosen by what
+/* The shadow, of an emitter that is chosen by power, as that of one chosen by what
  * reaches the path's surface. */
 MCV_LOOP_FUNCTION mcv_shadow mcv_apply_selection(mcv_world world, mcv_slot slot, mcv_vec3 point,
                                                  uint emitter, mcv_shadow shadow) {

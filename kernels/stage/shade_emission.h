@@ -56,7 +56,7 @@ typedef struct mcv_emitter_hit {
     uint emitter, emitter_element;
     float other; /* the density with which next-event estimation would have chosen this direction
                     [1/sr] */
-    float share; /* what light paths leave of it */
+    float mis_weight; /* of camera paths against light paths */
 } mcv_emitter_hit;
 
 /* Adds what the path has met, weighed against next-event estimation by the power heuristic. */
@@ -74,7 +74,7 @@ MCV_LOOP_FUNCTION void mcv_add_emission(mcv_world world, mcv_slot slot,
         const int chosen = own > 0.0f, emits = mcv_brightest(emitted) > 0.0f;
         emitted = mcv_dim(emitted, (chosen & emits) ? weight : 1.0f);
     }
-    mcv_add_radiance(world, slot, mcv_dim(emitted, met->share), met->emitter_element);
+    mcv_add_radiance(world, slot, mcv_dim(emitted, met->mis_weight), met->emitter_element);
 }
 
 /* Adds what a surface emits that the path has met. */
@@ -87,7 +87,7 @@ static void mcv_shade_emitter_hit(mcv_world world, mcv_slot slot, mcv_interactio
     met.emitter = emitter;
     met.emitter_element = mcv_emitter_element_of(world, emitter, interaction.surface, back);
     met.other = 0.0f;
-    met.share = 1.0f;
+    met.mis_weight = 1.0f;
 #if MCV_WITH_NEXT_EVENT
     const float distance = MCV_LOAD(slot, hit, 0);
     const mcv_vec3 receiver =
@@ -96,7 +96,7 @@ static void mcv_shade_emitter_hit(mcv_world world, mcv_slot slot, mcv_interactio
                                     interaction.direction, distance);
 #endif
 #if MCV_WITH_LIGHT_TRACING
-    met.share = mcv_camera_share(world, slot, interaction, emitter);
+    met.mis_weight = mcv_camera_path_mis_weight(world, slot, interaction, emitter);
 #endif
     mcv_add_emission(world, slot, &met);
 }

@@ -45,7 +45,7 @@ static void mcv_splat(mcv_world world, __global uint *splats, uint replicate, mc
     if (mcv_records(world)) {
         mcv_append_record(
             world, mcv_film_cell(world.frame, (uint)place.column, (uint)place.row, replicate),
-            emitter_element, mcv_dim(value, world.frame->splat_share));
+            emitter_element, mcv_dim(value, world.frame->splat_weight));
         return;
     }
 #endif

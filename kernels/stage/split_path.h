@@ -49,10 +49,10 @@ MCV_LOOP_FUNCTION mcv_split mcv_split_path(mcv_slot slot, float xi, mcv_color th
     if (MCV_WITH_ENVIRONMENT || MCV_WITH_ENVIRONMENT_IMAGE) {
         /* What roulette would soon play for is left to chance: light from all sides keeps being
          * found without noise. */
-        const float branch_share = split.other.chance / lives,
-                    goes_on = lives < 1.0f ? 1.0f - branch_share : likelier.chance;
+        const float branch_weight = split.other.chance / lives,
+                    goes_on = lives < 1.0f ? 1.0f - branch_weight : likelier.chance;
         const float least =
-            mcv_brightest(throughput) * (goes_on < branch_share ? goes_on : branch_share);
+            mcv_brightest(throughput) * (goes_on < branch_weight ? goes_on : branch_weight);
         split.splits &= !(least < MCV_ROULETTE_WEIGHT * (1.0f - 8.0f * MCV_UNIT_ROUNDOFF));
         weight = lives < 1.0f ? xi < lives ? goes_on : 1.0f : weight;
     }

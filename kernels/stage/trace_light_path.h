@@ -6,9 +6,9 @@
  * A path without a smooth or near-specular surface before that vertex ends there: next-event
  * estimation covers it. A beam that reaches the lens by itself counts.
  *
- * Light that camera paths find too is weighted by the balance heuristic (mcv_light_share). Where a
- * camera path on a near-specular surface would need next-event estimation, light paths alone bring
- * that light.
+ * Light that camera paths find too is weighted by the balance heuristic
+ * (mcv_light_path_mis_weight). Where a camera path on a near-specular surface would need next-event
+ * estimation, light paths alone bring that light.
  */
 #ifndef MCVISI_KERNELS_TRACE_LIGHT_PATH_H
 #define MCVISI_KERNELS_TRACE_LIGHT_PATH_H

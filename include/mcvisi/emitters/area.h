@@ -17,7 +17,7 @@ typedef struct mcv_area {
     uint nothing; /* C has no empty structs */
 } mcv_area;
 
-MCV_LOOP_FUNCTION float mcv_area_share(MCV_GLOBAL const mcv_area *light, float cosine) {
+MCV_LOOP_FUNCTION float mcv_area_profile(MCV_GLOBAL const mcv_area *light, float cosine) {
     (void)light;
     return cosine > 0.0f ? 1.0f : 0.0f;
 }

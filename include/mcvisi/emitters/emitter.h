@@ -10,8 +10,8 @@
  * An emitter is one header with
  *     MCV_<NAME>_PARAMS(X)      its parameters (mcvisi/params.h)
  *     mcv_<name>                what the device needs of them, 4-byte scalars
- *     mcv_<name>_share          for MCV_POINT_LIGHTS and MCV_SURFACE_LIGHTS: the share of its
- *                               intensity or radiance that leaves at an angle
+ *     mcv_<name>_profile        for MCV_POINT_LIGHTS and MCV_SURFACE_LIGHTS: its intensity
+ *                               or radiance at an angle, over the largest
  * and one line in one of the lists of mcvisi/elements.h. An emitter that rays cannot hit also has
  * functions for next-event estimation. host/scene/emitters.c resolves the parameters,
  * emitters_device.c prepares the device struct.

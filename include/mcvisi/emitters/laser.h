@@ -132,7 +132,7 @@ MCV_LOOP_FUNCTION float mcv_laser_growth(MCV_GLOBAL const mcv_laser *laser, int 
     return mcv_fma(from_waist, from_waist, 1.0f);
 }
 
-/* The share of the power per length [1/m]. */
+/* The power per length, over the power [1/m]. */
 MCV_LOOP_FUNCTION float mcv_laser_section(MCV_GLOBAL const mcv_laser *laser, int axis, float z,
                                           float x) {
     const float w_squared =
@@ -149,17 +149,17 @@ MCV_LOOP_FUNCTION float mcv_laser_slope(MCV_GLOBAL const mcv_laser *laser, int a
 }
 
 /* The power per tangent of the fan's angle, and its bend β there; 0 beyond the fan. `table`: the
- * cumulative shares of the columns, 2^31 = 1. */
+ * CDF of the columns, 2^31 = 1. */
 MCV_LOOP_FUNCTION float mcv_laser_fan(MCV_GLOBAL const mcv_laser *laser,
                                       MCV_GLOBAL const uint *table, float tangent, float *bend) {
     const float at = mcv_atan2(tangent, 1.0f) * laser->inverse_half_fan; /* from -1 to 1 */
     const float by_angle = laser->height / mcv_fma(tangent, tangent, 1.0f);
     const uint column = mcv_cell(mcv_fma(0.5f, at, 0.5f), laser->columns);
-    const float share = mcv_cdf_share(table, column);
+    const float pmf = mcv_cdf_pmf(table, column);
     float power = by_angle;
     power = laser->profile == MCV_LASER_PLANE ? laser->height : power;
     power = laser->profile == MCV_LASER_GAUSSIAN ? by_angle * mcv_exp_minus(2.0f * at * at) : power;
-    power = laser->profile == MCV_LASER_TABLE ? by_angle * share : power;
+    power = laser->profile == MCV_LASER_TABLE ? by_angle * pmf : power;
     *bend = laser->bow * at * at;
     return mcv_abs(tangent) <= laser->edge ? power : 0.0f;
 }
@@ -256,8 +256,8 @@ MCV_LOOP_FUNCTION mcv_laser_sight mcv_laser_look(MCV_GLOBAL const mcv_laser *las
     return sight;
 }
 
-/* How a light path leaves: origin, relative to the node, and direction (unit); returns its share of
- * the power over its density. Four numbers in [0, 1). */
+/* How a light path leaves: origin, relative to the node, and direction (unit); returns its power,
+ * relative to the laser's, over its density. Four numbers in [0, 1). */
 MCV_LOOP_FUNCTION float mcv_laser_leave(MCV_GLOBAL const mcv_laser *laser,
                                         MCV_GLOBAL const uint *table, const float xi[4],
                                         mcv_vec3 *origin, mcv_vec3 *direction) {

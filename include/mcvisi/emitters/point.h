@@ -23,7 +23,7 @@ typedef struct mcv_point {
     uint nothing; /* C does not allow empty structs */
 } mcv_point;
 
-MCV_LOOP_FUNCTION float mcv_point_share(MCV_GLOBAL const mcv_point *light, float edge, float q) {
+MCV_LOOP_FUNCTION float mcv_point_profile(MCV_GLOBAL const mcv_point *light, float edge, float q) {
     (void)light, (void)edge, (void)q;
     return 1.0f;
 }

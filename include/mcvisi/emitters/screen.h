@@ -56,9 +56,9 @@ typedef struct mcv_screen {
     float lit[2]; /* share of a pixel's width and height that is lit */
 } mcv_screen;
 
-/* The share of L at an angle of the given cosine. Scenes that do not need the feature SCREEN have
- * no such emitter on the device. */
-MCV_LOOP_FUNCTION float mcv_screen_share(MCV_GLOBAL const mcv_screen *screen, float cosine) {
+/* The radiance, over L, at an angle of the given cosine. Scenes that do not need the feature SCREEN
+ * have no such emitter on the device. */
+MCV_LOOP_FUNCTION float mcv_screen_profile(MCV_GLOBAL const mcv_screen *screen, float cosine) {
 #if !MCV_ON_DEVICE || MCV_WITH_SCREEN
     return mcv_cosine_power(cosine, screen->exponent);
 #else

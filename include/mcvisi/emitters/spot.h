@@ -32,7 +32,7 @@ typedef struct mcv_spot {
 } mcv_spot;
 
 /* a²; the outer edge lies at sin²(θ_o/2). */
-MCV_LOOP_FUNCTION float mcv_spot_share(MCV_GLOBAL const mcv_spot *light, float edge, float q) {
+MCV_LOOP_FUNCTION float mcv_spot_profile(MCV_GLOBAL const mcv_spot *light, float edge, float q) {
     const float a = (edge - q) * light->slope;
     return a <= 0.0f ? 0.0f : a >= 1.0f ? 1.0f : a * a;
 }

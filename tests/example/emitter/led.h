@@ -30,10 +30,11 @@ typedef struct mcv_led {
     uint exponent;
 } mcv_led;
 
-/* The share of I at q = sin²(θ/2), so that cosθ = 1 - 2q; no light from q = edge on. Host and
- * device compile it; a loop over paths calls it, so it has no branches. The power is by squaring.
+/* The intensity, over I, at q = sin²(θ/2), so that cosθ = 1 - 2q; no light from q = edge on. Host
+ * and device compile it; a loop over paths calls it, so it has no branches. The power is by
+ * squaring.
  */
-MCV_LOOP_FUNCTION float mcv_led_share(MCV_GLOBAL const mcv_led *light, float edge, float q) {
+MCV_LOOP_FUNCTION float mcv_led_profile(MCV_GLOBAL const mcv_led *light, float edge, float q) {
     float square = 1.0f - 2.0f * q, power = 1.0f;
     for (uint bit = 1; bit < 128u; bit *= 2u) {
         power *= light->exponent & bit ? square : 1.0f;

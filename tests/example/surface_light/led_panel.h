@@ -34,9 +34,9 @@ typedef struct mcv_led_panel {
     float exponent; /* n - 1 */
 } mcv_led_panel;
 
-/* The share of L at an angle of the given cosine; nothing comes from behind. Host and device
+/* The radiance, over L, at an angle of the given cosine; nothing comes from behind. Host and device
  * compile it; a loop over paths calls it, so it has no branches. */
-MCV_LOOP_FUNCTION float mcv_led_panel_share(MCV_GLOBAL const mcv_led_panel *light, float cosine) {
+MCV_LOOP_FUNCTION float mcv_led_panel_profile(MCV_GLOBAL const mcv_led_panel *light, float cosine) {
     return mcv_cosine_power(cosine, light->exponent);
 }
 
