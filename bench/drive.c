@@ -138,7 +138,8 @@ static mcv_result add_clock(drive *d, const mcv_render_options *options, mcv_err
     mcv_cl_release(&s->counters);
     MCV_TRY(mcv_cl_build(d->cl, "schedule/tile", defines, &s->program, error));
     if (packed->features >> MCV_FEATURE_PUPIL_GUIDE & 1)
-        MCV_TRY(mcv_cl_kernel(s->program, "aim_pupils", &s->kernels[MCV_KERNEL_aim_pupils], error));
+        MCV_TRY(
+            mcv_cl_kernel(s->program, "guide_pupils", &s->kernels[MCV_KERNEL_guide_pupils], error));
     MCV_TRY(mcv_cl_kernel(s->program, "render_tile", &s->kernels[MCV_KERNEL_generate_rays], error));
     const size_t slices = s->capacity / s->slice;
     return mcv_cl_buffer(d->cl, "the counters",

@@ -214,7 +214,7 @@ static mcv_result bench_schedules(scene_bench *s) {
     items_of(&tile->stats, items);
     for (int i = 0; i < STAGE_COUNT; ++i) {
         /* The stages come first and in this order. Pupils are aimed once and not in each launch. */
-        if (!stream->schedule.kernels[i] || i == STAGE_aim_pupils) continue;
+        if (!stream->schedule.kernels[i] || i == STAGE_guide_pupils) continue;
         bench_row(s->b, BENCH_WALL, s->tile.stages + i, s->stream.stages + i, 0, "s", "%s, %s",
                   s->name, stage_names[i]);
         bench_more(s->b, "items", items[i]);

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What every stage reads: the pass, the sensor and the tables of the scene, as kernel arguments
+ * What every stage reads: the frame, the sensor and the tables of the scene, as kernel arguments
  * from one list. Features that a scene lacks leave their buffers NULL.
  */
 #ifndef MCVISI_KERNELS_WORLD_H

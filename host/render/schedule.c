@@ -32,7 +32,8 @@ static bool traces_light(const mcv_schedule *s) {
 static mcv_result open_tile(mcv_schedule *s, const char *options, mcv_error *error) {
     MCV_TRY(mcv_cl_build(s->cl, "schedule/tile", options, &s->program, error));
     if (guides(s))
-        MCV_TRY(mcv_cl_kernel(s->program, "aim_pupils", &s->kernels[MCV_KERNEL_aim_pupils], error));
+        MCV_TRY(
+            mcv_cl_kernel(s->program, "guide_pupils", &s->kernels[MCV_KERNEL_guide_pupils], error));
     if (traces_light(s))
         MCV_TRY(mcv_cl_kernel(s->program, "trace_emitter_paths",
                               &s->kernels[MCV_KERNEL_trace_emitter_paths], error));
@@ -252,7 +253,7 @@ static mcv_result living_paths(mcv_schedule *s, cl_uint *living, mcv_error *erro
     return MCV_OK;
 }
 
-/* Launches the first depths of a pass without waiting. */
+/* Launches the first depths of a frame without waiting. */
 static mcv_result start_stream(mcv_schedule *s, const mcv_frame *frame, mcv_render_stats *stats,
                                mcv_error *error) {
     s->stream.frame = *frame;
@@ -292,14 +293,16 @@ mcv_result mcv_schedule_guide(mcv_schedule *schedule, const mcv_frame *frame,
     MCV_TRY(mcv_cl_write(s->cl, s->scene->frame, 0, sizeof *frame, frame, error));
     mcv_device_scene_arguments(s->scene, arguments);
     arguments[MCV_SCENE_ARGUMENTS] = MCV_ARG(s->scene->pupil_guides);
-    MCV_TRY(launch(s, MCV_KERNEL_aim_pupils, tile ? (pixels + s->slice - 1) / s->slice : pixels,
+    MCV_TRY(launch(s, MCV_KERNEL_guide_pupils, tile ? (pixels + s->slice - 1) / s->slice : pixels,
                    tile ? 1 : STREAM_GROUP, arguments, MCV_SCENE_ARGUMENTS + 1, error));
     MCV_TRY(mcv_cl_finish(s->cl, error));
     add_times(s, stats);
     return MCV_OK;
 }
 
-/* Launches as many light paths as the frame has paths; their counters are added. */
+/* Launches the light paths of a frame, one for about 2^log2_thinning of its camera paths. The
+ * stream schedule has a work-item for each camera path, most of which find that they have none. The
+ * tile schedule has one for 2^log2_thinning slices. What they count is added to the counters. */
 static mcv_result start_light(mcv_schedule *s, const mcv_frame *frame, mcv_error *error) {
     mcv_arg arguments[MCV_SCENE_ARGUMENTS + 2];
     if (!traces_light(s) || !(frame->light_density > 0)) return MCV_OK;

@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The two schedules of the same stages. Tile: one launch per pass, a slice of paths per work-item,
+ * The two schedules of the same stages. Tile: one launch per frame, a slice of paths per work-item,
  * for CPUs. Stream: one launch per stage, for GPUs. Both give the same bits.
  */
 #ifndef MCVISI_HOST_RENDER_SCHEDULE_H

@@ -8,7 +8,7 @@
  * unless kernels write it. Only the host reads the last three: the name in messages, the size and
  * the contents, written in the variables of fill_buffers (host/device/device_scene.c). Size 0: the
  * scene does not need the buffer, and kernels get NULL. Data NULL: the contents are written for
- * each sensor or pass.
+ * each sensor or launch.
  */
 #ifndef MCVISI_BUFFERS_H
 #define MCVISI_BUFFERS_H
@@ -49,7 +49,9 @@
       present(p->contact_grid, sizeof *p->contact_grid), p->contact_grid) \
     X(__global, const mcv_device_emitter, emitters, "the emitters", \
       p->emitter_count * sizeof *p->emitters, p->emitters) \
-    X(__global, const uint, emitter_cdf, "the emitters' areas", \
+    /* Cumulative shares, 2^31 = 1: of the emitters; of each one's triangles, of the rows and \
+     * pixels of a sky or of the columns of a laser's fan; of the emitters for light paths. */ \
+    X(__global, const uint, emitter_cdf, "the emitters' shares", \
       p->emitter_count > 0 ? 4 * p->cdf_count : 0, p->emitter_cdf) \
     X(__global, const mcv_light_node, light_tree, "the light tree", \
       present(p->light_tree, p->light_node_count * sizeof *p->light_tree), p->light_tree) \
@@ -59,7 +61,7 @@
     X(__global, const uint, texels, "the textures", textures ? 4 * p->texel_count : 0, p->texels) \
     /* Of the pixels, row by row; made by mcv_device_scene_place. */ \
     X(__global, const mcv_device_pupil_guide, pupil_guides, "the pupil guides", 0, NULL) \
-    /* The pixels of a pass where the frame has them listed; made by the renderer. */ \
+    /* The pixels of a launch where the frame has them listed; made by the renderer. */ \
     X(__global, const uint, listed, "the listed pixels", 0, NULL) \
     X(__global, const mcv_device_solid, solids, "the exact surfaces", \
       present(p->solids, p->solid_count * sizeof *p->solids), p->solids) \

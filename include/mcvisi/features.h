@@ -18,7 +18,7 @@
     X(SPLIT, "split", \
       "a path splits in two at the first glass, sheet or beam splitter: reflected and " \
       "transmitted") \
-    X(SHEET, "sheet", "a thin sheet or a beam splitter transmits") \
+    X(SHEET, "sheet", "a plate, such as a thin sheet or a beam splitter, transmits") \
     X(MIRROR, "mirror", "a mirror reflects") \
     X(GLOSSY, "gloss", "a metal or a rough surface reflects") \
     X(METAL, "metal", "a conductor reflects") \
@@ -34,7 +34,7 @@
     X(PARALLEL, "parallel", "the scene has a parallel emitter or a telecentric projector") \
     X(LIGHT_FIELD, "light-field", "the scene has a light field emitter") \
     X(PROJECTOR, "projector", "the scene has a projector") \
-    X(AREA, "area", "the scene has a diffuse area emitter") \
+    X(AREA, "area", "the scene has an area emitter or a screen") \
     X(SCREEN, "screen", "a screen has gaps between its pixels, or a fall-off with the angle") \
     X(ENVIRONMENT, "environment", "the scene has a uniform environment") \
     X(ENVIRONMENT_IMAGE, "environment-image", "the scene has an environment with an image") \
@@ -57,7 +57,7 @@
     X(MOVING, "moving", "parts move") \
     X(APERTURE, "aperture", "the sensor's aperture is no full disc") \
     X(DISTORTION, "distortion", "the sensor's film is tilted, or its lens distorts") \
-    X(PUPIL_GUIDE, "aim", \
+    X(PUPIL_GUIDE, "pupil-guiding", \
       "pupil guiding: the cone of a parallel emitter is narrower than the sensor's pupil") \
     X(LIGHT_TRACING, "light-tracing", \
       "light tracing (`render` measures whether it pays): emitters light scattering surfaces, or " \
@@ -84,7 +84,7 @@ enum {
  * out next-event estimation at the last depth. The names are keys of `check --json`;
  * kernels/README.md says which file holds each stage. */
 #define MCV_STAGES(X) \
-    X(aim_pupils, MCV_WITH_PUPIL_GUIDE) \
+    X(guide_pupils, MCV_WITH_PUPIL_GUIDE) \
     X(generate_rays, 1) \
     X(intersect_closest, 1) \
     X(sample_emitters, MCV_WITH_NEXT_EVENT) \

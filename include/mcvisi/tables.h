@@ -36,17 +36,17 @@ typedef struct mcv_ball {
 #define MCV_MAX_BALLS 16
 
 /*
- * One pass: the paths to start. A set consists of the samples of one replicate r of one pixel q;
- * set = q R + r. Path p of the pass is sample first_sample + (p mod 2^k) of the set first_set +
+ * One launch: the paths to start. A set consists of the samples of one replicate r of one pixel q;
+ * set = q R + r. Path p of the launch is sample first_sample + (p mod 2^k) of the set first_set +
  * floor(p / 2^k).
  */
 typedef struct mcv_frame {
     uint width, height; /* of the image [pixels] */
     uint first_set;     /* pixels are numbered by blocks of 8 x 8 */
-    uint path_count;    /* of this pass */
+    uint path_count;    /* of this launch */
     uint replicates;    /* R */
-    uint log2_samples;  /* k: samples per replicate in this pass, as a power of two */
-    uint first_sample;  /* of this pass, per replicate */
+    uint log2_samples;  /* k: samples per replicate in this launch, as a power of two */
+    uint first_sample;  /* of this launch, per replicate */
     uint seed;
     uint depth;                    /* the largest number of surfaces on a path */
     uint emitter_count;            /* emitters that next-event estimation chooses from */
@@ -63,8 +63,9 @@ typedef struct mcv_frame {
     uint log2_pixels;  /* number of bits of a pixel's number (by blocks) */
     float splat_scale; /* splat units per pixel value, a power of two */
     uint solid_count;
-    uint log2_thinning;     /* k: one light path starts for every 2^k-th pixel */
-    float light_density;    /* π times the light paths per sample; 0: there are none */
+    uint log2_thinning;  /* k: one light path starts for every 2^k-th pixel */
+    float light_density; /* π (pixels >> log2_thinning): π times the light paths that one sample
+                            of every pixel starts; 0: there are none */
     float to_world_low[12]; /* to_world minus its rounding to float */
     uint listed;            /* 1: the sets belong to the pixels of a list, in its order */
     uint ball_count;

@@ -16,8 +16,8 @@ typedef struct mcv_scattering {
     mcv_vec3 direction;
     mcv_color factor; /* of the throughput; all 0: the path ends */
     float density;    /* [1/sr], 0 for smooth surfaces */
-    float chance; /* with which a surface of glass, a sheet or a beam splitter chose this way on of
-                     its two */
+    float chance;    /* with which a surface of glass, a plate or a retroreflector chose this way on
+                        of its two */
     float remainder; /* rough glass: what is left of the number that chose it */
     uint media;
     uint event; /* MCV_EVENT_… */
@@ -46,7 +46,8 @@ MCV_LOOP_FUNCTION mcv_scattering mcv_scatter_by(mcv_vec3 direction, mcv_response
     return scattering;
 }
 
-/* a or b, word by word as in mcv_choose: all but the remainder, which no smooth surface has. */
+/* a or b, word by word as in mcv_choose: all but the remainder. Of rough glass that is read before
+ * (mcv_shade_hit). */
 MCV_LOOP_FUNCTION mcv_scattering mcv_choose_scattering(int condition, mcv_scattering a,
                                                        mcv_scattering b) {
     mcv_scattering chosen;

@@ -6,8 +6,8 @@
 #include "mcvisi/light_cone.h"
 #include "light/emission.h"
 
-/* Are there light paths of the emitter? None of those that camera paths find, too, are traced where
- * the frame has no density of them. */
+/* Are there light paths of the emitter? Where the frame's light_density is 0 the host launches none
+ * at all. */
 MCV_LOOP_FUNCTION int mcv_has_light_paths(mcv_world world, uint emitter) {
     return (world.emitters[emitter].light_flux > 0.0f) & (world.frame->light_density > 0.0f);
 }

@@ -59,7 +59,7 @@
     /* Of the last surface that scattered light: light/selection.h; light/tree.h: its normal. */ \
     X(selection, (2 * MCV_WITH_REACH + 3 * MCV_WITH_LIGHT_TREE) * MCV_WITH_NEXT_EVENT) \
     X(path_class, MCV_WITH_LIGHT_TRACING) /* MCV_PATH_CLASS_… */ \
-    X(footprint, MCV_WITH_LIGHT_TRACING)  /* of the pixel at the first diffuse surface [m²] */
+    X(footprint, MCV_WITH_LIGHT_TRACING)  /* of the pixel, at the first surface but plates [m²] */
 
 #define MCV_HIT_FIELDS(X) \
     X(hit, 4)                              /* t, u, v, primitive */ \

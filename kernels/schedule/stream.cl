@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * The stream schedule, for GPUs: one launch per stage and depth over the paths of a pass that live.
+ * The stream schedule, for GPUs: one launch per stage and depth over the paths of a frame that live.
  * Queues hold the slots of the paths that a stage has work for; their lengths stay on the device,
  * and what the host launches beyond them ends at once. A work-group appends its paths together,
  * so that neighbours in a queue are near to each other in memory. The order in a queue does not
@@ -55,7 +55,7 @@ MCV_FUNCTION void mcv_append(__global uint *queue, __global uint *length, uint p
 #if MCV_WITH_PUPIL_GUIDE
 /* One work-item per pixel. */
 __kernel __attribute__((reqd_work_group_size(MCV_STREAM_GROUP, 1, 1))) void
-aim_pupils(MCV_WORLD_PARAMETERS __global mcv_device_pupil_guide *out) {
+guide_pupils(MCV_WORLD_PARAMETERS __global mcv_device_pupil_guide *out) {
     MCV_MAKE_WORLD(world)
     const uint pixel = get_global_id(0);
     if (pixel < world.frame->width * world.frame->height)

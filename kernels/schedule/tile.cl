@@ -25,7 +25,7 @@
 #if MCV_WITH_PUPIL_GUIDE
 /* One work-item per slice of pixels. */
 MCV_SLICE_KERNEL
-aim_pupils(MCV_WORLD_PARAMETERS __global mcv_device_pupil_guide *out) {
+guide_pupils(MCV_WORLD_PARAMETERS __global mcv_device_pupil_guide *out) {
     MCV_MAKE_WORLD(world)
     const uint first = (uint)get_group_id(0) * MCV_SLICE;
     const uint last = min(first + MCV_SLICE, world.frame->width * world.frame->height);
@@ -44,7 +44,7 @@ trace_emitter_paths(MCV_WORLD_PARAMETERS __global uint *splats, __global uint *c
     uint counts[MCV_COUNTER_COUNT] = {0};
     mcv_trace_light_slices(world, slice * span, min(slice * span + min(span, count), count), splats,
                            counts);
-    /* render_tile has run before and has written the first counts. */
+    /* To the counts of render_tile or, where light paths are traced alone, to zeros. */
     for (uint i = 0; i < MCV_COUNTER_COUNT; ++i)
         counters[slice * MCV_COUNTER_COUNT + i] += counts[i];
 }

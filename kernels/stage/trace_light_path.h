@@ -109,7 +109,8 @@ MCV_FUNCTION mcv_pair mcv_light_pair(mcv_light_identity id, uint depth, uint use
     return mcv_sample_pair(id.stream, id.sample, MCV_SURFACE_PAIR(depth, use));
 }
 
-/* The light path of a camera path, if it has one. */
+/* Traces the light path of a number. With the camera path of that number it shares nothing else;
+ * some numbers have none (mcv_identify_light). */
 MCV_FUNCTION void mcv_trace_light_path(mcv_world world, uint index, __global uint *splats,
                                        uint counts[MCV_COUNTER_COUNT]) {
     mcv_light_identity id;
