@@ -337,7 +337,7 @@ bool mcv_traces_light(const mcv_packed *packed, const mcv_sensor *sensor) {
         if (is_aimed(e->type) || e->type == MCV_EMITTER_PROJECTOR) {
             /*
              * Camera paths find this light too (mcv_light_path_mis_weight in
-             * kernels/light/light_path.h). One light path per pixel costs at least as much as the
+             * kernels/light/mis.h). One light path per pixel costs at least as much as the
              * camera paths. They pay if one of them contributes twice as much as a camera path;
              * fewer light paths pay if they contribute half of the light. They do not pay if the
              * area that the film sees is small against the emitter's area times sin²β.

@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Choosing by a discrete CDF, 2^31 = 1, and weighing what is chosen in two ways. */
+/* Choosing by a discrete CDF, 2^31 = 1. */
 #ifndef MCVISI_KERNELS_DISCRETE_H
 #define MCVISI_KERNELS_DISCRETE_H
 
@@ -43,16 +43,6 @@ MCV_FUNCTION uint mcv_search_cdf(MCV_GLOBAL const uint *cdf, uint count, uint bi
     for (uint digit = mcv_cdf_digit(count); digit > 0; digit /= 2)
         found = mcv_cdf_step(cdf, count, found, digit, bits);
     return found;
-}
-
-/*
- * The weight of what was found by a choice of density `own` > 0 and could have been found by
- * another: the power heuristic of exponent 2 (Veach 1997, 9.2.4). The balance heuristic leaves a
- * share of small lights to the few paths that meet them by chance, and their noise with it.
- */
-MCV_LOOP_FUNCTION float mcv_power_heuristic(float own, float other) {
-    const float ratio = other / own; /* whose square may be infinite: no weight */
-    return 1.0f / mcv_fma(ratio, ratio, 1.0f);
 }
 
 #endif

@@ -6,6 +6,7 @@
 #include "light/discrete.h"
 #include "geometry/surface.h"
 #include "light/emission.h"
+#include "light/mis.h"
 #include "path/media.h"
 
 #if MCV_WITH_ENVIRONMENT_IMAGE && MCV_WITH_TEXTURE

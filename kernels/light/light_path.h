@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Where light paths start, and the light that camera paths find, too. */
+/* Which emitters have light paths, and with what density these start in étendue. */
 #ifndef MCVISI_KERNELS_LIGHT_PATH_H
 #define MCVISI_KERNELS_LIGHT_PATH_H
 
@@ -46,19 +46,5 @@ MCV_FUNCTION float mcv_light_etendue(mcv_world world, mcv_surface surface, uint 
     return mcv_etendue_of(e, aimed, surface.face, direction);
 }
 #endif
-
-/*
- * The MIS weight of light paths in light that camera paths find by chance, too: the balance
- * heuristic.
- * Light paths start with the density 1/etendue. Camera paths that choose directions by cosθ/π have
- * the uniform density 1/(π footprint) in étendue, of a pixel's footprint at the first diffuse
- * surface. Between diffuse surfaces both continue alike. Smooth surfaces keep étendue, and
- * near-specular ones about do: they scatter alike in both directions. Both kinds of paths compute
- * the weight from the depth of that surface. So nothing is lost or counted twice where materials or
- * the surface's slope make the weight less than the best.
- */
-MCV_FUNCTION float mcv_light_path_mis_weight(mcv_world world, float etendue, float footprint) {
-    return 1.0f / (1.0f + etendue / (world.frame->light_density * footprint));
-}
 
 #endif

@@ -137,9 +137,9 @@ MCV_BATCH void mcv_weigh_lamp_hits(mcv_world world, uint *apart, uint count, uin
         const mcv_hit hit = mcv_load_hit(slot);
         if (MCV_WORD(slot, path_class, 0) != MCV_PATH_CLASS_CARRIED) continue;
         const mcv_vec3 direction = MCV_LOAD_3(slot, direction);
-        const mcv_interaction interaction =
-            mcv_surface_interaction(mcv_surface_at(world, hit.primitive, hit.u, hit.v), direction);
-        mis_weights[slot.index] = mcv_camera_path_mis_weight(world, slot, interaction, emitter);
+        const mcv_surface there = mcv_surface_at(world, hit.primitive, hit.u, hit.v);
+        mis_weights[slot.index] =
+            mcv_camera_path_mis_weight(world, slot, there, direction, emitter);
     }
 }
 #endif

@@ -7,6 +7,7 @@
 #include "bsdf/bsdf.h"
 #include "geometry/solids.h"
 #include "light/leave_emitter.h"
+#include "light/mis.h"
 #include "path/sensor_ray.h"
 #include "stage/splat_film.h"
 #include "traverse/closest.h"

@@ -4,27 +4,9 @@
 #define MCVISI_KERNELS_PATH_CLASS_H
 
 #include "bsdf/shading.h"
-#include "light/light_path.h"
 #include "path/sensor_ray.h"
 
 #if MCV_WITH_LIGHT_TRACING
-/* The MIS weight of this path in what the emitter sends along it, against light paths. */
-MCV_FUNCTION float mcv_camera_path_mis_weight(mcv_world world, mcv_slot slot,
-                                              mcv_interaction interaction, uint emitter) {
-#if MCV_WITH_EMISSION
-    if (MCV_WORD(slot, path_class, 0) != MCV_PATH_CLASS_CARRIED ||
-        !mcv_has_light_paths(world, emitter))
-        return 1.0f;
-    const float etendue = mcv_light_etendue(world, interaction.surface, emitter,
-                                            mcv_scale(interaction.direction, -1.0f));
-    if (etendue > 0.0f)
-        return 1.0f - mcv_light_path_mis_weight(world, etendue, MCV_LOAD(slot, footprint, 0));
-#else
-    (void)world, (void)slot, (void)interaction, (void)emitter;
-#endif
-    return 1.0f;
-}
-
 /*
  * The path continues from a surface. To update twice at one surface is to update once, but for a
  * plate: a branch in rows is a copy of its path after the update, and never lies on a plate.

@@ -20,6 +20,7 @@
 #include "light/emission.h"
 #include "light/emitter_point.h"
 #include "light/light_path.h"
+#include "light/mis.h"
 #include "light/selection.h"
 #include "light/tree.h"
 #include "path/identity.h"

@@ -4,34 +4,12 @@
 #define MCVISI_KERNELS_SHADE_EMISSION_H
 
 #include "geometry/interaction.h"
-#include "light/discrete.h"
 #include "light/emitter_element.h"
 #include "light/emission.h"
 #include "light/environment.h"
 #include "light/light_path.h"
-#include "light/selection.h"
-#include "light/tree.h"
-#include "stage/path_class.h"
+#include "light/mis.h"
 #include "stage/record_light.h"
-
-/*
- * The density of a ray's choice, as it is to be weighed against that of next-event estimation which
- * takes emitters by power alone: it has taken this one so much more often.
- */
-MCV_LOOP_FUNCTION float mcv_density_against(mcv_world world, mcv_slot slot, uint emitter,
-                                            float density) {
-#if MCV_WITH_NEXT_EVENT && MCV_WITH_LIGHT_TREE
-    if (!(density > 0.0f)) return density;
-    const float against = density / mcv_tree_ratio(world, emitter, MCV_LOAD_3(slot, origin),
-                                                   MCV_LOAD_3(slot, selection));
-#else
-    if (!(MCV_WITH_NEXT_EVENT && MCV_WITH_REACH)) return density;
-    const float against =
-        density / mcv_selection_ratio(world.emitters + emitter, MCV_LOAD_3(slot, origin),
-                                      MCV_LOAD(slot, selection, 0), MCV_LOAD(slot, selection, 1));
-#endif
-    return density > 0.0f ? against : density;
-}
 
 /* Adds light, L/n², that arrives along the path. */
 MCV_LOOP_FUNCTION void mcv_add_unrecorded_radiance(mcv_slot slot, mcv_color light) {
@@ -69,7 +47,7 @@ MCV_LOOP_FUNCTION void mcv_add_emission(mcv_world world, mcv_slot slot,
             MCV_WITH_LIGHT_TRACING && (MCV_WORD(slot, path_class, 0) == MCV_PATH_CLASS_CARRIED) &
                                           mcv_has_light_paths(world, met->emitter);
         const float density =
-                        mcv_density_against(world, slot, met->emitter, mcv_path_density(slot)),
+                        mcv_bsdf_pdf_over_ratio(world, slot, met->emitter, mcv_path_density(slot)),
                     own = carried ? 0.0f : density, weight = mcv_power_heuristic(own, met->other);
         const int chosen = own > 0.0f, emits = mcv_brightest(emitted) > 0.0f;
         emitted = mcv_dim(emitted, (chosen & emits) ? weight : 1.0f);
@@ -96,7 +74,8 @@ static void mcv_shade_emitter_hit(mcv_world world, mcv_slot slot, mcv_interactio
                                     interaction.direction, distance);
 #endif
 #if MCV_WITH_LIGHT_TRACING
-    met.mis_weight = mcv_camera_path_mis_weight(world, slot, interaction, emitter);
+    met.mis_weight = mcv_camera_path_mis_weight(world, slot, interaction.surface,
+                                                interaction.direction, emitter);
 #endif
     mcv_add_emission(world, slot, &met);
 }
@@ -107,7 +86,7 @@ MCV_LOOP_FUNCTION mcv_color mcv_miss_radiance(mcv_world world, mcv_slot slot) {
     float density = mcv_path_density(slot);
     world = mcv_disperse(world, slot);
     if (MCV_WITH_ENVIRONMENT_IMAGE)
-        density = mcv_density_against(world, slot, world.frame->environment_emitter, density);
+        density = mcv_bsdf_pdf_over_ratio(world, slot, world.frame->environment_emitter, density);
     return mcv_environment_seen(world, MCV_LOAD_3(slot, direction), mcv_path_media(slot), density);
 }
 
