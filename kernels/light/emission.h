@@ -12,6 +12,12 @@
     ((MCV_WITH_LIGHT_FIELD && (e)->type == MCV_EMITTER_LIGHT_FIELD_EMITTER) || \
      (MCV_WITH_PROJECTOR && (e)->type == MCV_EMITTER_PROJECTOR))
 
+/* With RECORDS each pixel of an emitter's image may be a column of the light transport matrix: its
+ * image is then replaced by 1 (host/transport/white.h). */
+MCV_LOOP_FUNCTION int mcv_is_recorded_by_pixel(__global const mcv_device_emitter *e) {
+    return MCV_WITH_RECORDS ? e->emitter_element_width > 0u : 0;
+}
+
 #if MCV_WITH_TEXTURE
 /* The pixel of an image of directions that sends light from a place in a direction (unit, away from
  * the surface); returns 0, and some pixel, if none does. */
@@ -56,9 +62,7 @@ MCV_LOOP_FUNCTION mcv_color mcv_full_radiance(mcv_world world, mcv_surface surfa
     mcv_color radiance = mcv_color_at(e->radiance);
     (void)surface;
 #if MCV_WITH_TEXTURE
-    /* An image whose pixels are told apart is white (host/transport/white.h). */
-    const int white = MCV_WITH_RECORDS ? e->emitter_element_width > 0u : 0;
-    if ((e->texture != MCV_NONE) & !white)
+    if ((e->texture != MCV_NONE) & !mcv_is_recorded_by_pixel(e))
         radiance = mcv_tint(radiance, mcv_texture_at(world, surface, e->texture));
 #endif
 #if MCV_WITH_SCREEN

@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
- * What a receiver sends on of an emitter's light, about: by this, too, it chooses among emitters
- * (light/selection.h). Of a metal under a ring of lamps few are in its highlights.
+ * Approximately how much of an emitter's light a receiver sends on along the path. A receiver
+ * chooses among emitters by this, too (light/selection.h): few lamps of a ring lie in the
+ * highlights of a metal.
  */
 #ifndef MCVISI_KERNELS_LOBE_H
 #define MCVISI_KERNELS_LOBE_H
@@ -9,13 +10,17 @@
 #include "world.h"
 
 /*
- * What a receiver makes of light from a direction, about: a lobe of microfacets, cosines, and all
- * alike. Wider than an emitter, the lobe says which of several brings the most.
+ * The approximate response of a receiver to light from a direction, with d the density of
+ * microfacets and θ the angle to the normal (mcv_lobe_towards):
+ *
+ *     f cosθ = specular d + spread cosθ/π + even
+ *
+ * It only ranks emitters. A lobe that is narrower than an emitter is taken as wide as that.
  */
 typedef struct mcv_receiver_lobe {
     mcv_vec3 along;                      /* unit, along the brushing */
     float along_squared, across_squared; /* α² */
-    float specular, spread, even;        /* what each of the three counts */
+    float specular, spread, even;        /* weights of the three terms */
 } mcv_receiver_lobe;
 
 /* Of a receiver without a lobe. */

@@ -5,8 +5,10 @@
  * beams. What is left out by rounding, a receiver in the plane of an emitter or on the rim of a
  * cone, would have brought as good as nothing.
  *
- * The falloff is the irradiance that a power gives, up to a factor: 1/(area/π) close by,
- * 1/(projected solid angle/π d²) from afar.
+ * The power Φ gives about the irradiance E = Φ/(A + Ω d²) at the distance d. A is the emitter's
+ * area and Ω the projected solid angle of its light: Φ/A close by, Φ/(Ω d²) from afar. The
+ * importance is π E = power/(narrowest + widening d²), with `narrowest` = A/π and `widening` = Ω/π
+ * of mcv_device_emitter (host/device/pack_emitters.c). An emitter at infinity has no widening.
  */
 #ifndef MCVISI_KERNELS_SELECTION_H
 #define MCVISI_KERNELS_SELECTION_H

@@ -19,8 +19,8 @@
 /* A way from the root down: by a number, or to an emitter that is known. */
 typedef struct mcv_light_walk {
     uint node;
-    uint trail;  /* the emitter's; MCV_NONE … */
-    int follows; /* … is one, too */
+    uint trail;  /* of the emitter that is known: bit i is the child at level i */
+    int follows; /* 1: by the trail. A flag of its own: all bits set, MCV_NONE, is a trail, too */
     float xi;
     float chance; /* of all choices so far */
 } mcv_light_walk;

@@ -2,8 +2,8 @@
 /*
  * The state of a path between stages, a structure of arrays: word f of the path in slot i of a
  * slice lies at base[f capacity + i]. One list gives the layout on the device and, through
- * mcv_path_words, the allocation on the host. The fields of a path's end lie side by side
- * (kernels/schedule/terminate_paths.h).
+ * mcv_path_words, the allocation on the host. The fields from throughput to cell must be
+ * contiguous: kernels/schedule/terminate_paths.h copies them as one range.
  *
  * The tile schedule (MCV_TILE) keeps a slice in private memory and moves living paths together.
  * What it computes for a whole slice at once has fields of its own.
@@ -95,8 +95,8 @@
     X(shadow_media, MCV_WITH_NEXT_EVENT *MCV_CROSSES)  /* that it leaves the surface in */ \
     X(shadow_light, MCV_WITH_NEXT_EVENT *MCV_CHANNELS) /* what it brings; 0: no ray */ \
     X(shadow_emitter_element, MCV_WITH_NEXT_EVENT *MCV_WITH_RECORDS) /* from which */ \
-    X(shadow_target, MCV_WITH_NEXT_EVENT) /* instance that must be met first; MCV_NONE: nothing \
-                                             before t = 1; MCV_SKY: nothing at all */
+    X(shadow_target, MCV_WITH_NEXT_EVENT) /* instance to be met first; MCV_NONE: nothing may be \
+                                             met up to t = 1; MCV_SKY: nothing at all */
 
 #define MCV_PATH_FIELDS(X) \
     MCV_RAY_FIELDS(X) MCV_CAMERA_FIELDS(X) MCV_HIT_FIELDS(X) MCV_CAMERA_HIT_FIELDS(X)

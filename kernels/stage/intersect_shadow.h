@@ -29,8 +29,7 @@ MCV_LOOP_FUNCTION int mcv_target_has_image(mcv_world world, mcv_slot slot) {
 MCV_LOOP_FUNCTION void mcv_apply_target_image(mcv_world world, mcv_slot slot, mcv_hit hit) {
     const mcv_surface there = mcv_surface_at(world, hit.primitive, hit.u, hit.v);
     const uint emitter = world.instances[there.instance].emitter;
-    /* An image whose pixels are told apart is white (host/transport/white.h). */
-    const int white = MCV_WITH_RECORDS ? world.emitters[emitter].emitter_element_width > 0u : 0;
+    const int white = mcv_is_recorded_by_pixel(world.emitters + emitter);
     const mcv_color image = mcv_texture_at(world, there, world.emitters[emitter].texture);
     mcv_color light;
     MCV_LOAD_COLOR(slot, shadow_light, light);

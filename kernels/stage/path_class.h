@@ -8,8 +8,8 @@
 
 #if MCV_WITH_LIGHT_TRACING
 /*
- * The path continues from a surface. To update twice at one surface is to update once, but for a
- * plate: a branch in rows is a copy of its path after the update, and never lies on a plate.
+ * The path continues from a surface. Idempotent, except at plates. That is needed because in rows a
+ * branch is copied after its parent was updated (mcv_split_paths); there no plate splits a path.
  */
 MCV_LOOP_FUNCTION void mcv_update_path_class(mcv_world world, mcv_slot slot,
                                              const mcv_interaction *interaction,

@@ -8,8 +8,8 @@
 #include "stage/roulette.h"
 
 /*
- * How much oftener than by its probability the less likely lobe is followed. It contributes little
- * where all emitters are narrow; wide ones may be met in any direction.
+ * By which factor more often than by its chance the less likely lobe is followed, e below. That
+ * lobe contributes little where all emitters are narrow; wide ones may be met in any direction.
  */
 #define MCV_SPLIT_EFFORT \
     (MCV_WITH_ENVIRONMENT || MCV_WITH_ENVIRONMENT_IMAGE || MCV_WITH_AREA || MCV_WITH_LIGHT_FIELD \
@@ -29,9 +29,20 @@ typedef struct mcv_split {
 
 /*
  * The path takes the likelier of two lobes instead of the chosen one, and a branch takes the other.
- * Each is weighted by its own probability: R + T. The branch has to survive roulette. Under an
- * environment both lobes contribute alike: the path then makes up for a branch that roulette ends,
- * so that both carry as much as before. xi: the number that has chosen the lobe, or its remainder;
+ * Their chances are p >= q, p + q = 1, and what comes along them is P and Q. Without splitting the
+ * path finds P with the chance p, else Q: p P + q Q on average, which is R + T.
+ *
+ * The branch lives with the chance l = min(1, q max(1, e w)), w the path's mean throughput. Path
+ * and branch then bring
+ *
+ *     p P + (q/l) Q, if xi < l;     p P otherwise
+ *
+ * Under an environment P and Q are about the same, and what is carried shall not depend on xi.
+ * Where l < 1 they bring
+ *
+ *     (1 - q/l) P + (q/l) Q, if xi < l;     P otherwise
+ *
+ * The mean of both is p P + q Q again. xi: the number that has chosen the lobe, or its remainder;
  * it has no other use any more.
  */
 MCV_LOOP_FUNCTION mcv_split mcv_split_path(mcv_slot slot, float xi, mcv_color throughput,
@@ -47,8 +58,8 @@ MCV_LOOP_FUNCTION mcv_split mcv_split_path(mcv_slot slot, float xi, mcv_color th
     float weight = likelier.chance;
     split.splits = (other.chance > 0.0f) & mcv_may_split(slot);
     if (MCV_WITH_ENVIRONMENT || MCV_WITH_ENVIRONMENT_IMAGE) {
-        /* What roulette would soon play for is left to chance: light from all sides keeps being
-         * found without noise. */
+        /* No splitting where a part would carry less than the weight at which roulette begins: its
+         * noise is more than that of one lobe, which finds an even environment without any. */
         const float branch_weight = split.other.chance / lives,
                     goes_on = lives < 1.0f ? 1.0f - branch_weight : likelier.chance;
         const float least =

@@ -51,7 +51,19 @@ static void mcv_enter_lens(mcv_world world, mcv_light_path path, float t, __glob
 
 /*
  * A light path continues from a surface that has scattered it so: all but its origin. Returns
- * whether it does. Roulette plays for what it carries of its start.
+ * whether it does. Roulette plays for what it carries of its start. The surface sets (+) and clears
+ * (-) flags; conditions are about the flags before it:
+ *
+ *     surface                      CARRIED  OPEN  SPREAD  FOUND               the path ends
+ *     smooth                          +                                       never
+ *     near-specular, while OPEN       +              +    + if not CARRIED    never
+ *     scattering, all others                 -       +                        if not CARRIED, (1)
+ *                                                                             or OPEN, FOUND and
+ *                                                                             no broad lobe (2)
+ *
+ * FOUND is also set at the start (mcv_leave_point). At a first near-specular surface a camera path
+ * finds the emitter by next-event estimation. (1) Next-event estimation covers light straight from
+ * the emitter. (2) Camera paths cover light on a glossy surface.
  */
 MCV_LOOP_FUNCTION int mcv_continue_light_path(mcv_world world, const mcv_interaction *interaction,
                                               mcv_shading shading, mcv_scattering on, uint depth,
@@ -62,11 +74,8 @@ MCV_LOOP_FUNCTION int mcv_continue_light_path(mcv_world world, const mcv_interac
     const int scatters = on.density > 0.0f,
               parts = scatters & !(open & mcv_is_near_specular(world, *interaction));
     const int first = scatters & ((before & MCV_LIGHT_FLAG_SPREAD) == 0u);
-    /* Next-event estimation covers light straight from the emitter; camera paths cover light on a
-     * glossy surface. */
     const int ends =
         parts & (!carried | (open & mcv_is_left_to_camera(world, *interaction, before)));
-    /* A camera path at the first surface finds the emitter by next-event estimation. */
     const uint after =
         before | MCV_LIGHT_FLAG_CARRIED | ((scatters & !carried) ? (uint)MCV_LIGHT_FLAG_FOUND : 0u);
     mcv_color throughput = mcv_tint(path->throughput, on.factor);
