@@ -10,72 +10,7 @@
 
 #include "core/basics.h"
 
-/* The sensor's column or row that a sample of the film's takes: one of `stride`, at random. */
-static uint32_t place_in(uint32_t at, uint32_t stride, uint32_t size, ref_random *random) {
-    if (stride == 1) return at;
-    const uint32_t place = (uint32_t)(((double)at + ref_random_unit(random)) * stride);
-    return place < size ? place : size - 1;
-}
-
-/* Adds the samples of a power-of-two range over the film's binary tree. */
-static void sum_samples(const ref_pass *r, uint32_t column, uint32_t row, uint32_t replicate,
-                        uint64_t first, uint64_t count, ref_tally *tally, double sum[3]) {
-    if (count > 1) {
-        double other[3];
-        sum_samples(r, column, row, replicate, first, count / 2, tally, sum);
-        sum_samples(r, column, row, replicate, first + count / 2, count / 2, tally, other);
-        for (int channel = 0; channel < 3; ++channel) sum[channel] += other[channel];
-        return;
-    }
-    ref_random random = ref_random_begin(r->options->seed, (uint64_t)row * r->film->width + column,
-                                         replicate, first);
-    double place[4];
-    for (int i = 0; i < 4; ++i) place[i] = ref_random_unit(&random);
-    const uint32_t at[2] = {place_in(column, r->stride, r->size[0], &random),
-                            place_in(row, r->stride, r->size[1], &random)};
-    const ref_sensor_ray sensor_ray =
-        ref_sensor_ray_draw(r->world->scene, r->sensor, at[0], at[1], place, &random);
-    ref_path_value(r->world, &sensor_ray, &random, tally, NULL, sum);
-    /* Values that an image of floats cannot represent count as not finite. */
-    if (!(fmax(fabs(sum[0]), fmax(fabs(sum[1]), fabs(sum[2]))) <= FLT_MAX) ||
-        !isfinite(sum[0] + sum[1] + sum[2])) {
-        ++tally->nonfinite;
-        sum[0] = sum[1] = sum[2] = 0;
-    }
-}
-
-/* Renders the next row; false if none is left. */
-static bool render_row(ref_pass *r) {
-    const uint32_t row = atomic_fetch_add(&r->next, 1);
-    const mcv_film *film = r->film;
-    if (row >= film->height || atomic_load(&r->stopped)) return false;
-    for (uint32_t replicate = 0; replicate < film->replicates; ++replicate) {
-        for (uint32_t column = 0; column < film->width; ++column) {
-            double sum[3];
-            sum_samples(r, column, row, replicate, r->part.first, r->part.count, &r->rows[row],
-                        sum);
-            for (uint32_t channel = 0; channel < film->channels; ++channel)
-                r->sums[(((size_t)replicate * film->channels + channel) * film->height + row) *
-                            film->width +
-                        column] = sum[channel];
-        }
-    }
-    atomic_store(&r->done[row], true);
-    return true;
-}
-
-static void *render_rows(void *argument) {
-    while (render_row(argument)) {}
-    return NULL;
-}
-
-uint32_t ref_thread_count(const mcv_render_options *options, uint32_t rows) {
-    const long cores = sysconf(_SC_NPROCESSORS_ONLN);
-    const uint32_t wanted = options->threads > 0 ? options->threads
-                            : cores > 0          ? (uint32_t)cores
-                                                 : 1;
-    return wanted < rows ? wanted : rows;
-}
+/* --- saving --- */
 
 static void add_tally(ref_tally *a, const ref_tally *b) {
     a->paths += b->paths;
@@ -87,8 +22,6 @@ static void add_tally(ref_tally *a, const ref_tally *b) {
     a->begun += b->begun;
     a->cut += b->cut;
 }
-
-/* --- saving --- */
 
 static mcv_render_stats *count_total(const ref_tally *total, mcv_render_stats *stats) {
     stats->paths = total->paths;
@@ -134,6 +67,110 @@ static void save_if_due(const ref_pass *r, const mcv_render_stats *stats, bool e
     free(copy);
 }
 
+/* --- reports --- */
+
+/* What the calling thread of a round tells and saves; it alone does. */
+typedef struct round_report {
+    double told;  /* when it last told [s] */
+    double done;  /* share of the render before the round */
+    double share; /* the round's */
+    double error; /* relative, before the round */
+    const mcv_render_stats *stats;
+} round_report;
+
+/* Whether the round goes on. Each thread asks; report NULL: a helper of the calling one. */
+static bool goes_on(ref_pass *r, round_report *report) {
+    const mcv_render_options *o = r->options;
+    const double now = report && o->progress ? mcv_seconds() : 0;
+    if (report && o->progress && now - report->told >= 0.1) {
+        report->told = now;
+        const double rows = fmin(atomic_load(&r->next), r->film->height) / r->film->height;
+        if (!o->progress(o->user, report->done + report->share * rows, now - r->start,
+                         report->error))
+            atomic_store(&r->stopped, true);
+        else
+            save_if_due(r, report->stats, false);
+    }
+    return !atomic_load(&r->stopped);
+}
+
+/* --- samples --- */
+
+/* The sensor's column or row that a sample of the film's takes: one of `stride`, at random. */
+static uint32_t place_in(uint32_t at, uint32_t stride, uint32_t size, ref_random *random) {
+    if (stride == 1) return at;
+    const uint32_t place = (uint32_t)(((double)at + ref_random_unit(random)) * stride);
+    return place < size ? place : size - 1;
+}
+
+/* The samples after which a thread looks whether to go on: some milliseconds. */
+enum { SAMPLES_UNASKED = 64 };
+
+/* Adds the samples of a power-of-two range over the film's binary tree. What it adds is of no use
+ * once the round is stopped. */
+static void sum_samples(ref_pass *r, round_report *report, uint32_t column, uint32_t row,
+                        uint32_t replicate, uint64_t first, uint64_t count, ref_tally *tally,
+                        double sum[3]) {
+    if (count > 1) {
+        double other[3] = {0};
+        sum[0] = sum[1] = sum[2] = 0;
+        if (count == SAMPLES_UNASKED && !goes_on(r, report)) return;
+        sum_samples(r, report, column, row, replicate, first, count / 2, tally, sum);
+        sum_samples(r, report, column, row, replicate, first + count / 2, count / 2, tally, other);
+        for (int channel = 0; channel < 3; ++channel) sum[channel] += other[channel];
+        return;
+    }
+    ref_random random = ref_random_begin(r->options->seed, (uint64_t)row * r->film->width + column,
+                                         replicate, first);
+    double place[4];
+    for (int i = 0; i < 4; ++i) place[i] = ref_random_unit(&random);
+    const uint32_t at[2] = {place_in(column, r->stride, r->size[0], &random),
+                            place_in(row, r->stride, r->size[1], &random)};
+    const ref_sensor_ray sensor_ray =
+        ref_sensor_ray_draw(r->world->scene, r->sensor, at[0], at[1], place, &random);
+    ref_path_value(r->world, &sensor_ray, &random, tally, NULL, sum);
+    /* Values that an image of floats cannot represent count as not finite. */
+    if (!(fmax(fabs(sum[0]), fmax(fabs(sum[1]), fabs(sum[2]))) <= FLT_MAX) ||
+        !isfinite(sum[0] + sum[1] + sum[2])) {
+        ++tally->nonfinite;
+        sum[0] = sum[1] = sum[2] = 0;
+    }
+}
+
+/* Renders the next row; false if none is left, or the round is stopped. */
+static bool render_row(ref_pass *r, round_report *report) {
+    const uint32_t row = atomic_fetch_add(&r->next, 1);
+    const mcv_film *film = r->film;
+    if (row >= film->height) return false;
+    for (uint32_t replicate = 0; replicate < film->replicates; ++replicate) {
+        for (uint32_t column = 0; column < film->width; ++column) {
+            double sum[3];
+            sum_samples(r, report, column, row, replicate, r->part.first, r->part.count,
+                        &r->rows[row], sum);
+            if (!goes_on(r, report)) return false;
+            for (uint32_t channel = 0; channel < film->channels; ++channel)
+                r->sums[(((size_t)replicate * film->channels + channel) * film->height + row) *
+                            film->width +
+                        column] = sum[channel];
+        }
+    }
+    atomic_store(&r->done[row], true);
+    return true;
+}
+
+static void *render_rows(void *argument) {
+    while (render_row(argument, NULL)) {}
+    return NULL;
+}
+
+uint32_t ref_thread_count(const mcv_render_options *options, uint32_t rows) {
+    const long cores = sysconf(_SC_NPROCESSORS_ONLN);
+    const uint32_t wanted = options->threads > 0 ? options->threads
+                            : cores > 0          ? (uint32_t)cores
+                                                 : 1;
+    return wanted < rows ? wanted : rows;
+}
+
 static mcv_result resume(ref_pass *r, mcv_film *film, mcv_render_stats *stats, mcv_error *error) {
     const mcv_unfinished *u = r->options->resume;
     MCV_TRY(mcv_unfinished_restore(r->options, film, stats, error));
@@ -158,10 +195,8 @@ static mcv_result resume(ref_pass *r, mcv_film *film, mcv_render_stats *stats, m
 
 /* Renders a round on several threads, of which the calling one alone reports progress and saves.
  * False: stopped by the caller. */
-static bool render_round(ref_pass *r, pthread_t *threads, double done, double share, double error,
-                         const mcv_render_stats *stats) {
-    const mcv_render_options *o = r->options;
-    const uint32_t height = r->film->height, wanted = ref_thread_count(o, height);
+static bool render_round(ref_pass *r, pthread_t *threads, round_report *report) {
+    const uint32_t height = r->film->height, wanted = ref_thread_count(r->options, height);
     uint32_t helpers = 0;
     for (uint32_t row = 0; row < height; ++row) {
         r->rows[row] = (ref_tally){0};
@@ -170,18 +205,10 @@ static bool render_round(ref_pass *r, pthread_t *threads, double done, double sh
     atomic_store(&r->next, (uint32_t)r->part.sets);
     while (helpers + 1 < wanted && pthread_create(&threads[helpers], NULL, render_rows, r) == 0)
         ++helpers; /* with fewer threads it is only slower */
-    double told = mcv_seconds();
-    while (render_row(r)) {
-        if (!o->progress || mcv_seconds() - told < 0.1) continue;
-        told = mcv_seconds();
-        const double rows = fmin(atomic_load(&r->next), height) / height;
-        if (!o->progress(o->user, done + share * rows, told - r->start, error))
-            atomic_store(&r->stopped, true);
-        else
-            save_if_due(r, stats, false);
-    }
+    report->told = mcv_seconds();
+    while (render_row(r, report)) {}
     for (uint32_t i = 0; i < helpers; ++i) pthread_join(threads[i], NULL);
-    if (atomic_load(&r->stopped)) save_if_due(r, stats, true);
+    if (atomic_load(&r->stopped)) save_if_due(r, report->stats, true);
     return !atomic_load(&r->stopped);
 }
 
@@ -209,9 +236,11 @@ static void render_rounds(ref_pass *r, mcv_film *film, pthread_t *threads,
     double error = film->samples > 0 ? mcv_film_relative_error(film) : INFINITY;
     while (wanted == 0 || film->samples < wanted) {
         const double begun = mcv_seconds();
-        if (!render_round(r, threads, share_done(r, wanted, begun),
-                          wanted ? (double)r->part.count / (double)wanted : 0, error, stats))
-            return;
+        round_report report = {.done = share_done(r, wanted, begun),
+                               .share = wanted ? (double)r->part.count / (double)wanted : 0,
+                               .error = error,
+                               .stats = stats};
+        if (!render_round(r, threads, &report)) return;
         end_round(r, film);
         const double end = mcv_seconds();
         if (stats->seconds_first_sample == 0) stats->seconds_first_sample = end - r->start;
