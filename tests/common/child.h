@@ -31,6 +31,7 @@ static inline pid_t child_start(const char *line, rlim_t file_bytes) {
     const struct rlimit limit = {file_bytes, file_bytes};
     const int log = open("child.log", O_WRONLY | O_CREAT | O_TRUNC, 0666);
     setpgid(0, 0);
+    signal(SIGHUP, SIG_DFL); /* It is ignored where the tests run under nohup. */
     dup2(log, STDOUT_FILENO);
     dup2(log, STDERR_FILENO);
     if (file_bytes) setrlimit(RLIMIT_FSIZE, &limit);
