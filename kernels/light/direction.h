@@ -9,46 +9,47 @@
 #include "light/emission.h"
 #include "light/environment.h"
 #include "light/laser.h"
-#include "light/shadow.h"
+#include "light/light_sample.h"
 
 #if MCV_WITH_NEXT_EVENT
 #if MCV_WITH_BEAM
 /* Back along the beam, where it goes through the receiver: its emitter must be the closest hit. */
-MCV_LOOP_FUNCTION mcv_shadow mcv_sample_beam(mcv_world world, mcv_receiver at,
-                                             __global const mcv_device_emitter *e, mcv_pair pair) {
-    mcv_shadow shadow =
-        mcv_shadow_along(at, mcv_scale(mcv_vec_at(e->beam.axis), -1.0f), e->instance, 0.0f);
+MCV_LOOP_FUNCTION mcv_light_sample mcv_sample_beam(mcv_world world, mcv_receiver at,
+                                                   __global const mcv_device_emitter *e,
+                                                   mcv_pair pair) {
+    mcv_light_sample sample =
+        mcv_light_sample_along(at, mcv_scale(mcv_vec_at(e->beam.axis), -1.0f), e->instance, 0.0f);
     const int lit = mcv_collimated_beam_covers(&e->beam, mcv_sub(at.point, mcv_vec_at(e->middle)));
-    shadow.light = mcv_light_over(e, lit, 1.0f, e->probability);
+    sample.radiance_over_pdf = mcv_radiance_over_pdf(e, lit, 1.0f, e->probability);
     (void)world, (void)pair;
-    return shadow;
+    return sample;
 }
 #endif
 
 #if MCV_WITH_PUNCTUAL
 /* The ray ends at the light's position. */
-MCV_LOOP_FUNCTION mcv_shadow mcv_sample_point_light(mcv_world world, mcv_receiver at,
-                                                    __global const mcv_device_emitter *e,
-                                                    mcv_pair pair) {
+MCV_LOOP_FUNCTION mcv_light_sample mcv_sample_point_light(mcv_world world, mcv_receiver at,
+                                                          __global const mcv_device_emitter *e,
+                                                          mcv_pair pair) {
     const mcv_vec3 position = mcv_vec_at(e->light.position), towards = mcv_sub(position, at.point);
     const mcv_vec3 direction = mcv_normalize(towards);
-    mcv_shadow shadow = mcv_shadow_along(at, direction, MCV_NONE, 0.0f);
+    mcv_light_sample sample = mcv_light_sample_along(at, direction, MCV_NONE, 0.0f);
     const float attenuated = mcv_point_light_profile(&e->light, mcv_scale(direction, -1.0f)) *
                              mcv_point_light_attenuation(&e->light, mcv_dot(towards, towards));
-    shadow.direction = mcv_sub(position, shadow.origin);
-    shadow.light = mcv_light_over(e, 1, attenuated, e->probability);
+    sample.direction = mcv_sub(position, sample.origin);
+    sample.radiance_over_pdf = mcv_radiance_over_pdf(e, 1, attenuated, e->probability);
     (void)world, (void)pair;
-    return shadow;
+    return sample;
 }
 
-MCV_LOOP_FUNCTION mcv_shadow mcv_sample_directional(mcv_world world, mcv_receiver at,
-                                                    __global const mcv_device_emitter *e,
-                                                    mcv_pair pair) {
-    mcv_shadow shadow =
-        mcv_shadow_along(at, mcv_scale(mcv_vec_at(e->directional.axis), -1.0f), MCV_SKY, 0.0f);
-    shadow.light = mcv_light_over(e, 1, 1.0f, e->probability);
+MCV_LOOP_FUNCTION mcv_light_sample mcv_sample_directional(mcv_world world, mcv_receiver at,
+                                                          __global const mcv_device_emitter *e,
+                                                          mcv_pair pair) {
+    mcv_light_sample sample = mcv_light_sample_along(
+        at, mcv_scale(mcv_vec_at(e->directional.axis), -1.0f), MCV_SKY, 0.0f);
+    sample.radiance_over_pdf = mcv_radiance_over_pdf(e, 1, 1.0f, e->probability);
     (void)world, (void)pair;
-    return shadow;
+    return sample;
 }
 #endif
 
@@ -71,17 +72,17 @@ MCV_LOOP_FUNCTION int mcv_may_hit(__global const mcv_device_emitter *e, mcv_vec3
 
 /* A direction in the emitter's cone. Most rays from beside a parallel beam pass the emitter by:
  * they bring nothing. */
-MCV_LOOP_FUNCTION mcv_shadow mcv_sample_parallel(mcv_world world, mcv_receiver at,
-                                                 __global const mcv_device_emitter *e,
-                                                 mcv_pair pair) {
+MCV_LOOP_FUNCTION mcv_light_sample mcv_sample_parallel(mcv_world world, mcv_receiver at,
+                                                       __global const mcv_device_emitter *e,
+                                                       mcv_pair pair) {
     const mcv_vec3 in_cone = mcv_from_frame(mcv_sample_cone(e->parallel.sin_half, pair.x, pair.y),
                                             mcv_vec_at(e->parallel.axis));
-    mcv_shadow shadow = mcv_shadow_along(at, mcv_scale(in_cone, -1.0f), e->instance,
-                                         e->probability / e->parallel.solid_angle);
-    const int lit = mcv_may_hit(e, shadow.origin, shadow.direction);
-    shadow.light = mcv_light_over(e, lit, 1.0f, shadow.density);
+    mcv_light_sample sample = mcv_light_sample_along(at, mcv_scale(in_cone, -1.0f), e->instance,
+                                                     e->probability / e->parallel.solid_angle);
+    const int lit = mcv_may_hit(e, sample.origin, sample.direction);
+    sample.radiance_over_pdf = mcv_radiance_over_pdf(e, lit, 1.0f, sample.pdf);
     (void)world;
-    return shadow;
+    return sample;
 }
 #endif
 
@@ -93,29 +94,29 @@ MCV_LOOP_FUNCTION uint mcv_sky_column_bits(mcv_pair pair) { return mcv_cdf_bits(
 
 /* A direction into a pixel that was chosen by the same pair. What rounding puts into a neighbouring
  * pixel counts as that one's. */
-MCV_LOOP_FUNCTION mcv_shadow mcv_sample_sky_pixel(mcv_world world, mcv_receiver at,
-                                                  __global const mcv_device_emitter *e,
-                                                  mcv_pixel chosen, mcv_pair pair) {
+MCV_LOOP_FUNCTION mcv_light_sample mcv_sample_sky_pixel(mcv_world world, mcv_receiver at,
+                                                        __global const mcv_device_emitter *e,
+                                                        mcv_pixel chosen, mcv_pair pair) {
     const float across = mcv_cdf_remainder(mcv_environment_row(world, e, chosen.row), chosen.column,
                                            mcv_sky_column_bits(pair)),
                 down = mcv_cdf_remainder(world.emitter_cdf + e->cdf, chosen.row,
                                          mcv_sky_row_bits(pair));
-    mcv_shadow shadow = mcv_shadow_along(
+    mcv_light_sample sample = mcv_light_sample_along(
         at, mcv_environment_sample(&e->environment, chosen.column, chosen.row, across, down),
         MCV_SKY, 0.0f);
-    const mcv_pixel pixel = mcv_sky_pixel_at(e, shadow.direction);
+    const mcv_pixel pixel = mcv_sky_pixel_at(e, sample.direction);
     const mcv_color radiance = mcv_pixel_radiance(world, e, pixel);
-    shadow.density = mcv_environment_density(world, e, pixel);
-    const float inverse_pdf = 1.0f / shadow.density;
+    sample.pdf = mcv_environment_density(world, e, pixel);
+    const float inverse_pdf = 1.0f / sample.pdf;
     MCV_EACH_CHANNEL(i)
-    shadow.light.c[i] = shadow.density > 0.0f ? radiance.c[i] * inverse_pdf : 0.0f;
-    return shadow;
+    sample.radiance_over_pdf.c[i] = sample.pdf > 0.0f ? radiance.c[i] * inverse_pdf : 0.0f;
+    return sample;
 }
 
 /* A pixel by what it brings, then a direction into it. */
-MCV_FUNCTION mcv_shadow mcv_sample_environment(mcv_world world, mcv_receiver at,
-                                               __global const mcv_device_emitter *e,
-                                               mcv_pair pair) {
+MCV_FUNCTION mcv_light_sample mcv_sample_environment(mcv_world world, mcv_receiver at,
+                                                     __global const mcv_device_emitter *e,
+                                                     mcv_pair pair) {
     mcv_pixel chosen;
     chosen.row =
         mcv_search_cdf(world.emitter_cdf + e->cdf, e->environment.height, mcv_sky_row_bits(pair));
@@ -151,15 +152,15 @@ MCV_LOOP_FUNCTION int mcv_samples_direction(__global const mcv_device_emitter *e
 }
 
 /* What comes from an emitter of such a type. Schedules that sort by type give it as a constant. */
-MCV_LOOP_FUNCTION mcv_shadow mcv_sample_direction(mcv_world world, mcv_receiver at,
-                                                  __global const mcv_device_emitter *e, uint type,
-                                                  mcv_pair pair) {
+MCV_LOOP_FUNCTION mcv_light_sample mcv_sample_direction(mcv_world world, mcv_receiver at,
+                                                        __global const mcv_device_emitter *e,
+                                                        uint type, mcv_pair pair) {
 #define MCV_X(TYPE, sample) \
     if (type == TYPE) return sample(world, at, e, pair);
     MCV_DIRECTION_SAMPLERS(MCV_X)
 #undef MCV_X
     (void)world, (void)e, (void)type, (void)pair;
-    return mcv_shadow_along(at, at.face, MCV_NONE, 0.0f);
+    return mcv_light_sample_along(at, at.face, MCV_NONE, 0.0f);
 }
 #endif
 

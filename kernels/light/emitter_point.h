@@ -10,7 +10,7 @@
 #include "light/discrete.h"
 #include "light/emitter_element.h"
 #include "light/emission.h"
-#include "light/shadow.h"
+#include "light/light_sample.h"
 
 #if MCV_WITH_EMISSION || MCV_WITH_BEAM
 /* A point on a triangle of an emitter. */
@@ -137,23 +137,24 @@ MCV_LOOP_FUNCTION mcv_emitter_point mcv_point_on_rectangle(__global const mcv_de
 
 /* What comes from a point; of an emitter with an image as without. *there: the point as a surface.
  */
-MCV_LOOP_FUNCTION mcv_shadow mcv_sample_point(mcv_receiver at, __global const mcv_device_emitter *e,
-                                              mcv_emitter_point point, mcv_surface *there) {
+MCV_LOOP_FUNCTION mcv_light_sample mcv_sample_point(mcv_receiver at,
+                                                    __global const mcv_device_emitter *e,
+                                                    mcv_emitter_point point, mcv_surface *there) {
     *there = mcv_surface_on(point.facet, point.u, point.v);
     const mcv_vec3 way = mcv_sub(there->point, at.point), towards = mcv_normalize(way),
                    back = mcv_scale(towards, -1.0f),
                    error = mcv_interaction_error(at.point, point.facet, there->error);
     const float by_area =
         mcv_area_density(e, point.pmf, *there, towards, mcv_sqrt(mcv_dot(way, way)));
-    mcv_shadow shadow =
-        mcv_shadow_along(at, towards, MCV_NONE, point.density > 0.0f ? point.density : by_area);
-    shadow.direction =
-        mcv_sub(mcv_offset_origin(there->point, error, there->face, back), shadow.origin);
+    mcv_light_sample sample = mcv_light_sample_along(
+        at, towards, MCV_NONE, point.density > 0.0f ? point.density : by_area);
+    sample.direction =
+        mcv_sub(mcv_offset_origin(there->point, error, there->face, back), sample.origin);
     /* Only a face seen exactly edge-on has no finite density. */
     const float profile = mcv_angular_profile(e, there->face, there->normal, back);
-    const int lit = (shadow.density > 0.0f) & (shadow.density < INFINITY) & (profile > 0.0f);
-    shadow.light = mcv_light_over(e, lit, profile / shadow.density, 1.0f);
-    return shadow;
+    const int lit = (sample.pdf > 0.0f) & (sample.pdf < INFINITY) & (profile > 0.0f);
+    sample.radiance_over_pdf = mcv_radiance_over_pdf(e, lit, profile / sample.pdf, 1.0f);
+    return sample;
 }
 
 #if MCV_WITH_TEXTURE
@@ -162,18 +163,19 @@ MCV_FUNCTION int mcv_has_image(__global const mcv_device_emitter *e) {
     return e->texture != MCV_NONE;
 }
 
-/* The shadow of mcv_sample_point with what comes from there, by the emitter's image. */
-MCV_LOOP_FUNCTION mcv_shadow mcv_shadow_by_image(mcv_world world, mcv_vec3 receiver,
-                                                 mcv_surface there, uint emitter, mcv_shadow shadow,
-                                                 int by_pixel) {
+/* The sample of mcv_sample_point with what comes from there, by the emitter's image. */
+MCV_LOOP_FUNCTION mcv_light_sample mcv_light_sample_by_image(mcv_world world, mcv_vec3 receiver,
+                                                             mcv_surface there, uint emitter,
+                                                             mcv_light_sample sample,
+                                                             int by_pixel) {
     const mcv_vec3 back = mcv_scale(mcv_normalize(mcv_sub(there.point, receiver)), -1.0f);
-    const int lit = (shadow.density > 0.0f) & (shadow.density < INFINITY);
+    const int lit = (sample.pdf > 0.0f) & (sample.pdf < INFINITY);
     const mcv_color light =
-        mcv_dim(mcv_emitted_by(world, there, emitter, back, by_pixel), 1.0f / shadow.density);
-    MCV_EACH_CHANNEL(i) shadow.light.c[i] = lit ? light.c[i] : 0.0f;
+        mcv_dim(mcv_emitted_by(world, there, emitter, back, by_pixel), 1.0f / sample.pdf);
+    MCV_EACH_CHANNEL(i) sample.radiance_over_pdf.c[i] = lit ? light.c[i] : 0.0f;
     if (MCV_WITH_RECORDS)
-        shadow.emitter_element = mcv_emitter_element_by(world, emitter, there, back, by_pixel);
-    return shadow;
+        sample.emitter_element = mcv_emitter_element_by(world, emitter, there, back, by_pixel);
+    return sample;
 }
 #endif
 #endif

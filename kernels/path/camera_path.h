@@ -91,7 +91,7 @@
     X(shadow_origin, 3 * MCV_WITH_NEXT_EVENT)  /* ray to the emitter */ \
     X(shadow_direction, 3 * MCV_WITH_NEXT_EVENT) \
     X(shadow_origin_surface, MCV_WITH_NEXT_EVENT *MCV_WITH_SURFACES) \
-    X(shadow_density, MCV_TILE *MCV_WITH_NEXT_EVENT)   /* as in mcv_shadow */ \
+    X(shadow_density, MCV_TILE *MCV_WITH_NEXT_EVENT)   /* pdf of mcv_light_sample */ \
     X(shadow_media, MCV_WITH_NEXT_EVENT *MCV_CROSSES)  /* that it leaves the surface in */ \
     X(shadow_light, MCV_WITH_NEXT_EVENT *MCV_CHANNELS) /* what it brings; 0: no ray */ \
     X(shadow_emitter_element, MCV_WITH_NEXT_EVENT *MCV_WITH_RECORDS) /* from which */ \

@@ -12,16 +12,16 @@
 #include "stage/sample_emitters.h"
 
 #if MCV_WITH_NEXT_EVENT
-MCV_LOOP_FUNCTION mcv_shadow mcv_shadow_in(mcv_slot slot) {
-    mcv_shadow shadow;
-    shadow.origin = MCV_LOAD_3(slot, shadow_origin);
-    shadow.direction = MCV_LOAD_3(slot, shadow_direction);
-    shadow.target = MCV_WORD(slot, shadow_target, 0);
-    MCV_LOAD_COLOR(slot, shadow_light, shadow.light);
-    shadow.density = MCV_LOAD(slot, shadow_density, 0);
-    shadow.emitter_element =
+MCV_LOOP_FUNCTION mcv_light_sample mcv_load_light_sample(mcv_slot slot) {
+    mcv_light_sample sample;
+    sample.origin = MCV_LOAD_3(slot, shadow_origin);
+    sample.direction = MCV_LOAD_3(slot, shadow_direction);
+    sample.target = MCV_WORD(slot, shadow_target, 0);
+    MCV_LOAD_COLOR(slot, shadow_light, sample.radiance_over_pdf);
+    sample.pdf = MCV_LOAD(slot, shadow_density, 0);
+    sample.emitter_element =
         MCV_WITH_RECORDS ? MCV_WORD(slot, shadow_emitter_element, 0) : MCV_NONE;
-    return shadow;
+    return sample;
 }
 
 #if MCV_WITH_PLAIN
@@ -33,8 +33,8 @@ MCV_LOOP_FUNCTION void mcv_make_shadow_range(mcv_world world, mcv_slot slot, uin
     for (uint i = first; i < last; ++i) {
         slot.index = i;
         const mcv_interaction interaction = mcv_make_interaction(world, slot);
-        casts[i] =
-            (uint)mcv_make_shadow_ray(world, slot, &interaction, shading, mcv_shadow_in(slot));
+        casts[i] = (uint)mcv_make_shadow_ray(world, slot, &interaction, shading,
+                                             mcv_load_light_sample(slot));
     }
 }
 

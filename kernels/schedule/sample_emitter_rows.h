@@ -61,14 +61,14 @@ MCV_LOOP_FUNCTION void mcv_sample_point_row(mcv_world world, mcv_slot slot, uint
         else
 #endif
             point = mcv_point_on_mesh(world, e, found[i], pair);
-        const mcv_shadow shadow = mcv_sample_point(at, e, point, &there);
-        mcv_put_shadow(world, slot, at, emitter, shadow);
+        const mcv_light_sample sample = mcv_sample_point(at, e, point, &there);
+        mcv_put_shadow(world, slot, at, emitter, sample);
 #if MCV_WITH_TEXTURE
         /* For mcv_light_points. */
         MCV_WORD(slot, place, 0) = there.primitive;
         MCV_STORE(slot, place, 1, there.u);
         MCV_STORE(slot, place, 2, there.v);
-        MCV_STORE(slot, place, 3, shadow.density);
+        MCV_STORE(slot, place, 3, sample.pdf);
 #endif
     }
 }
@@ -84,10 +84,11 @@ MCV_LOOP_FUNCTION void mcv_light_point_row(mcv_world world, mcv_slot slot, uint 
         const mcv_receiver at = mcv_receiver_of(mcv_make_interaction(world, slot));
         const mcv_surface there = mcv_surface_at(
             world, MCV_WORD(slot, place, 0), MCV_LOAD(slot, place, 1), MCV_LOAD(slot, place, 2));
-        mcv_shadow shadow = mcv_shadow_in(slot);
-        shadow.density = MCV_LOAD(slot, place, 3);
-        mcv_put_shadow(world, slot, at, emitter,
-                       mcv_shadow_by_image(world, at.point, there, emitter, shadow, by_pixel));
+        mcv_light_sample sample = mcv_load_light_sample(slot);
+        sample.pdf = MCV_LOAD(slot, place, 3);
+        mcv_put_shadow(
+            world, slot, at, emitter,
+            mcv_light_sample_by_image(world, at.point, there, emitter, sample, by_pixel));
     }
 }
 
@@ -210,7 +211,8 @@ MCV_BATCH uint mcv_sample_emitters(mcv_world world, mcv_slot slot, const uint *c
     for (slot.index = known_end; slot.index < alive; ++slot.index) {
         if (MCV_WORD(slot, emitter, 0) == MCV_NONE) continue;
         const mcv_interaction interaction = mcv_make_interaction(world, slot);
-        if (mcv_make_shadow_ray(world, slot, &interaction, mcv_any_shading(), mcv_shadow_in(slot)))
+        if (mcv_make_shadow_ray(world, slot, &interaction, mcv_any_shading(),
+                                mcv_load_light_sample(slot)))
             shadows[shadow_count++] = slot.index;
     }
     return shadow_count;

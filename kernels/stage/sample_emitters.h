@@ -34,8 +34,8 @@ MCV_LOOP_FUNCTION mcv_receiver mcv_receiver_of(mcv_interaction interaction) {
 }
 
 /* What comes from an emitter to one receiver. */
-MCV_FUNCTION mcv_shadow mcv_sample_towards(mcv_world world, mcv_receiver at, uint emitter,
-                                           mcv_pair pair) {
+MCV_FUNCTION mcv_light_sample mcv_sample_towards(mcv_world world, mcv_receiver at, uint emitter,
+                                                 mcv_pair pair) {
     __global const mcv_device_emitter *e = world.emitters + emitter;
 #if MCV_WITH_EMISSION
     if (!mcv_samples_direction(e, at.point)) {
@@ -48,13 +48,13 @@ MCV_FUNCTION mcv_shadow mcv_sample_towards(mcv_world world, mcv_receiver at, uin
         } else
 #endif
             point = mcv_point_on_mesh(world, e, mcv_choose_triangle(world, e, pair), pair);
-        mcv_shadow shadow = mcv_sample_point(at, e, point, &there);
+        mcv_light_sample sample = mcv_sample_point(at, e, point, &there);
 #if MCV_WITH_TEXTURE
         if (mcv_has_image(e))
-            shadow =
-                mcv_shadow_by_image(world, at.point, there, emitter, shadow, MCV_SENDS_BY_PIXEL(e));
+            sample = mcv_light_sample_by_image(world, at.point, there, emitter, sample,
+                                               MCV_SENDS_BY_PIXEL(e));
 #endif
-        return shadow;
+        return sample;
     }
 #endif
     return mcv_sample_direction(world, at, e, e->type, pair);
@@ -137,11 +137,12 @@ MCV_FUNCTION uint mcv_choose_emitter(mcv_world world, mcv_slot slot, uint depth)
                : emitter;
 }
 
-/* The shadow, of an emitter that is chosen by power, as that of one chosen by what
- * reaches the path's surface. */
-MCV_LOOP_FUNCTION mcv_shadow mcv_apply_selection(mcv_world world, mcv_slot slot, mcv_vec3 point,
-                                                 uint emitter, mcv_shadow shadow) {
-    if (!(MCV_WITH_REACH | MCV_WITH_LIGHT_TREE)) return shadow;
+/* The sample, of an emitter that is chosen by power, as that of one chosen by what reaches the
+ * path's surface. */
+MCV_LOOP_FUNCTION mcv_light_sample mcv_apply_selection(mcv_world world, mcv_slot slot,
+                                                       mcv_vec3 point, uint emitter,
+                                                       mcv_light_sample sample) {
+    if (!(MCV_WITH_REACH | MCV_WITH_LIGHT_TREE)) return sample;
     __global const mcv_device_emitter *e = world.emitters + emitter;
     const float preference = MCV_WITH_LIGHT_TREE
                                  ? MCV_LOAD(slot, selection_here, 3)
@@ -150,28 +151,28 @@ MCV_LOOP_FUNCTION mcv_shadow mcv_apply_selection(mcv_world world, mcv_slot slot,
     const float chosen = MCV_WITH_REACH && MCV_WITH_GLOSSY
                              ? MCV_LOAD(slot, selection_here, 2) / e->probability
                              : preference;
-    shadow.density *= preference;
-    shadow.light = mcv_dim(shadow.light, 1.0f / chosen);
-    return shadow;
+    sample.pdf *= preference;
+    sample.radiance_over_pdf = mcv_dim(sample.radiance_over_pdf, 1.0f / chosen);
+    return sample;
 }
 
 /* Keeps what comes to a path from the emitter that it has chosen; returns it as that choice has it.
  */
-MCV_LOOP_FUNCTION mcv_shadow mcv_put_shadow(mcv_world world, mcv_slot slot, mcv_receiver at,
-                                            uint emitter, mcv_shadow shadow) {
-    shadow = mcv_apply_selection(world, slot, at.point, emitter, shadow);
-    MCV_STORE_3(slot, shadow_origin, shadow.origin);
-    MCV_STORE_3(slot, shadow_direction, shadow.direction);
-    MCV_WORD(slot, shadow_target, 0) = shadow.target;
+MCV_LOOP_FUNCTION mcv_light_sample mcv_put_shadow(mcv_world world, mcv_slot slot, mcv_receiver at,
+                                                  uint emitter, mcv_light_sample sample) {
+    sample = mcv_apply_selection(world, slot, at.point, emitter, sample);
+    MCV_STORE_3(slot, shadow_origin, sample.origin);
+    MCV_STORE_3(slot, shadow_direction, sample.direction);
+    MCV_WORD(slot, shadow_target, 0) = sample.target;
     if (MCV_WITH_RECORDS)
-        MCV_WORD(slot, shadow_emitter_element, 0) = shadow.emitter_element == MCV_NONE
+        MCV_WORD(slot, shadow_emitter_element, 0) = sample.emitter_element == MCV_NONE
                                                         ? mcv_first_emitter_element(world, emitter)
-                                                        : shadow.emitter_element;
+                                                        : sample.emitter_element;
     if (MCV_TILE) {
-        MCV_STORE_COLOR(slot, shadow_light, shadow.light);
-        MCV_STORE(slot, shadow_density, 0, shadow.density);
+        MCV_STORE_COLOR(slot, shadow_light, sample.radiance_over_pdf);
+        MCV_STORE(slot, shadow_density, 0, sample.pdf);
     }
-    return shadow;
+    return sample;
 }
 
 /* mcv_respond for a surface of a kind that is known. */
@@ -208,26 +209,27 @@ MCV_LOOP_FUNCTION mcv_response mcv_respond_as(mcv_world world, mcv_slot slot,
 /*
  * Makes a shadow ray of what comes from an emitter: what the surface makes of the light, and the
  * power heuristic against the surface's own choice of directions. 1 if there is a ray to follow.
- * Its origin, direction and target are the shadow's.
+ * Its origin, direction and target are the sample's.
  */
 MCV_LOOP_FUNCTION int mcv_make_shadow_ray(mcv_world world, mcv_slot slot,
                                           const mcv_interaction *interaction, mcv_shading shading,
-                                          mcv_shadow shadow) {
+                                          mcv_light_sample sample) {
     world = mcv_disperse(world, slot);
-    if (shading.kind == MCV_SHADING_ANY && !(mcv_brightest(shadow.light) > 0.0f)) return 0;
+    if (shading.kind == MCV_SHADING_ANY && !(mcv_brightest(sample.radiance_over_pdf) > 0.0f))
+        return 0;
     const mcv_response response =
-        mcv_respond_as(world, slot, interaction, shading, mcv_normalize(shadow.direction));
-    mcv_color light = mcv_tint(mcv_tint(mcv_path_throughput(slot), response.f_cos), shadow.light);
-    light =
-        mcv_dim(light, shadow.density > 0.0f ? mcv_power_heuristic(shadow.density, response.density)
-                                             : 1.0f);
+        mcv_respond_as(world, slot, interaction, shading, mcv_normalize(sample.direction));
+    mcv_color light =
+        mcv_tint(mcv_tint(mcv_path_throughput(slot), response.f_cos), sample.radiance_over_pdf);
+    light = mcv_dim(light,
+                    sample.pdf > 0.0f ? mcv_power_heuristic(sample.pdf, response.density) : 1.0f);
     light = mcv_basic_radiance(world, light, response.media);
     if (MCV_CROSSES) MCV_WORD(slot, shadow_media, 0) = response.media;
     if (MCV_WITH_SURFACES)
         MCV_WORD(slot, shadow_origin_surface, 0) =
-            shading.exact ? mcv_origin_surface_of(world, *interaction, shadow.direction) : MCV_NONE;
+            shading.exact ? mcv_origin_surface_of(world, *interaction, sample.direction) : MCV_NONE;
     MCV_STORE_COLOR(slot, shadow_light, light);
-    const int comes = mcv_brightest(shadow.light) > 0.0f,
+    const int comes = mcv_brightest(sample.radiance_over_pdf) > 0.0f,
               reflects = mcv_brightest(response.f_cos) > 0.0f;
     return comes & reflects;
 }
@@ -238,10 +240,10 @@ MCV_FUNCTION int mcv_sample_emitter(mcv_world world, mcv_slot slot, uint depth) 
     if (emitter == MCV_NONE) return 0;
     const mcv_interaction interaction = mcv_make_interaction(world, slot);
     const mcv_receiver at = mcv_receiver_of(interaction);
-    const mcv_shadow shadow = mcv_put_shadow(
+    const mcv_light_sample sample = mcv_put_shadow(
         world, slot, at, emitter,
         mcv_sample_towards(world, at, emitter, mcv_draw(slot, depth, MCV_PAIR_EMITTER)));
-    return mcv_make_shadow_ray(world, slot, &interaction, mcv_any_shading(), shadow);
+    return mcv_make_shadow_ray(world, slot, &interaction, mcv_any_shading(), sample);
 }
 #endif
 

@@ -54,13 +54,13 @@ __kernel void sample_towards(MCV_WORLD_PARAMETERS uint emitter, __global const f
     at.face = mcv_vec(in[3], in[4], in[5]);
     pair.x = in[6];
     pair.y = in[7];
-    const mcv_shadow shadow = mcv_sample_towards(world, at, emitter, pair);
-    const mcv_vec3 direction = mcv_normalize(shadow.direction);
+    const mcv_light_sample sample = mcv_sample_towards(world, at, emitter, pair);
+    const mcv_vec3 direction = mcv_normalize(sample.direction);
     out[0] = direction.x;
     out[1] = direction.y;
     out[2] = direction.z;
-    out[3] = shadow.light.c[0];
-    out[4] = shadow.density;
+    out[3] = sample.radiance_over_pdf.c[0];
+    out[4] = sample.pdf;
     mcv_shade_emitter_hit(world, at.point, direction, emitter, out + 5);
 }
 
