@@ -67,7 +67,7 @@ static bool is_opaque(const mcv_scene *scene, uint32_t instance) {
 static bool is_glossy(const mcv_scene *scene, uint32_t instance) {
     const uint32_t type = scene->materials[scene->instances[instance].material].type;
     return type != MCV_MATERIAL_DIFFUSE && type != MCV_MATERIAL_ABSORBER &&
-           !mcv_material_is_scatterer(type);
+           !mcv_material_has_own_bsdf(type);
 }
 
 static bool casts_shadow(const mcv_scene *scene, uint32_t instance, const mcv_sensor *sensor,

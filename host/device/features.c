@@ -124,7 +124,7 @@ static void find_of_material(finding *f, const mcv_material *m) {
         {MCV_FEATURE_METALLIC, m->type == MCV_MATERIAL_METALLIC_ROUGHNESS},
         {MCV_FEATURE_ROUGH_GLASS, glass && mcv_material_is_rough(m)},
         {MCV_FEATURE_ANISOTROPY, mcv_material_roughness(m).anisotropy > 0},
-        {MCV_FEATURE_REFLECTOR, mcv_material_is_scatterer(m->type)},
+        {MCV_FEATURE_REFLECTOR, mcv_material_has_own_bsdf(m->type)},
         {MCV_FEATURE_TEXTURE, texture},
     };
     for (size_t i = 0; i < sizeof of / sizeof of[0]; ++i)

@@ -23,21 +23,21 @@ double mcv_write_cdf(uint32_t *cdf, uint32_t count, const double *values) {
 }
 
 /* The solid angle of the cones in which light paths leave a point towards the balls. */
-static double aimed_angle(const mcv_packed *packed, mcv_vec3 from, mcv_cone own) {
+static double aimed_angle(const mcv_packed *packed, mcv_vec3 from, mcv_cone emission) {
     double sum = 0;
     for (uint32_t i = 0; i < packed->ball_count; ++i)
-        sum += (double)mcv_cone_to(packed->balls[i], from, own).squared;
+        sum += (double)mcv_cone_to(packed->balls[i], from, emission).squared;
     return 4 * M_PI * sum;
 }
 
 /* The same for a point of a surface, with a typical cosine: an estimate of the étendue per area of
  * the light that falls on the balls. */
-static double aimed_projection(const mcv_packed *packed, mcv_vec3 from, mcv_cone own) {
+static double aimed_projection(const mcv_packed *packed, mcv_vec3 from, mcv_cone emission) {
     double sum = 0;
     for (uint32_t i = 0; i < packed->ball_count; ++i) {
-        const mcv_cone cone = mcv_cone_to(packed->balls[i], from, own);
+        const mcv_cone cone = mcv_cone_to(packed->balls[i], from, emission);
         sum += (double)cone.squared *
-               fmax((double)mcv_dot(cone.axis, own.axis) * (1 - (double)cone.squared),
+               fmax((double)mcv_dot(cone.axis, emission.axis) * (1 - (double)cone.squared),
                     sqrt((double)cone.squared) / 4);
     }
     return 4 * M_PI * sum;
@@ -82,11 +82,11 @@ static emitter_place place_on(const mcv_packed *packed, const mcv_device_emitter
                            mcv_normalize(mcv_cross(ab, ac))};
 }
 
-static mcv_cone own_cone(const mcv_device_emitter *e, mcv_vec3 normal) {
+static mcv_cone emission_cone(const mcv_device_emitter *e, mcv_vec3 normal) {
     const bool parallel = e->type == MCV_EMITTER_PARALLEL;
     return (mcv_cone){.axis = normal,
                       .squared = parallel ? e->parallel.sin_half * e->parallel.sin_half : 0.5f,
-                      .own = 1};
+                      .is_emission_cone = 1};
 }
 
 /* Does the emitter emit nearly parallel rays? Most of them may miss the balls, and few sample
@@ -102,7 +102,7 @@ static double aimed_etendue(const mcv_packed *packed, const mcv_emitter *from,
     if (is_narrow(e)) return mcv_emitter_projected_solid_angle(from) * from->area;
     for (uint32_t i = 0; i < PLACES; ++i) {
         const emitter_place at = place_on(packed, e, i);
-        sum += aimed_projection(packed, at.point, own_cone(e, at.normal)) / PLACES;
+        sum += aimed_projection(packed, at.point, emission_cone(e, at.normal)) / PLACES;
     }
     return (double)e->area * sum;
 }
@@ -131,7 +131,8 @@ static bool is_small(const mcv_packed *packed, const mcv_device_emitter *e, doub
 }
 
 /* The flux of all light paths of an emitter, over its radiance (irradiance, intensity). *unit gets
- * this flux without the factor of the kernels' choice of directions. */
+ * this flux without the factor of the kernels' choice of directions: light_inverse_pdf without the
+ * choice among emitters. */
 static double unit_flux(const mcv_packed *packed, const mcv_emitter *from, mcv_device_emitter *e,
                         double *unit) {
     *unit = 1;
@@ -149,9 +150,10 @@ static double unit_flux(const mcv_packed *packed, const mcv_emitter *from, mcv_d
         return 1;
     case MCV_EMITTER_POINT: {
         const float *p = e->light.position, *a = e->light.axis;
-        return aimed_angle(
-            packed, mcv_vec(p[0], p[1], p[2]),
-            (mcv_cone){.axis = mcv_vec(a[0], a[1], a[2]), .squared = e->light.edge, .own = 1});
+        return aimed_angle(packed, mcv_vec(p[0], p[1], p[2]),
+                           (mcv_cone){.axis = mcv_vec(a[0], a[1], a[2]),
+                                      .squared = e->light.edge,
+                                      .is_emission_cone = 1});
     }
     case MCV_EMITTER_DIRECTIONAL:
         e->directional.reach = (float)(2 * mcv_packed_size(packed));
@@ -193,7 +195,7 @@ mcv_result mcv_pack_light(const mcv_scene *scene, mcv_packed *packed, uint32_t *
     uint32_t count = 0;
     bool wide = false;
     for (uint32_t i = 0; i < packed->instance_count; ++i)
-        wide = wide || packed->materials[packed->instances[i].material].connectable;
+        wide = wide || packed->materials[packed->instances[i].material].broad_lobe;
     double *powers = calloc(packed->emitter_count + 1, sizeof *powers);
     if (!powers) return mcv_fail(error, MCV_FAILED, "%s: no memory for the emitters", scene->path);
     for (uint32_t i = 0; i < scene->emitter_count; ++i) {
@@ -210,15 +212,15 @@ mcv_result mcv_pack_light(const mcv_scene *scene, mcv_packed *packed, uint32_t *
         mcv_emitter_image_mean(scene, from, mean);
         powers[count - 1] = flux * (from->radiance[0] * mean[0] + from->radiance[1] * mean[1] +
                                     from->radiance[2] * mean[2]);
-        e->light_flux = (float)unit;
+        e->light_inverse_pdf = (float)unit;
         e->light_aim = (float)(flux / unit);
     }
     mcv_write_cdf(cdf, count, powers);
     for (uint32_t i = 0; i < count; ++i) {
         const double chance = (cdf[i + 1] - cdf[i]) * 0x1p-31;
         const bool chosen = powers[i] > 0 && chance > 0;
-        packed->emitters[i].light_flux =
-            chosen ? (float)(packed->emitters[i].light_flux / chance) : 0;
+        packed->emitters[i].light_inverse_pdf =
+            chosen ? (float)(packed->emitters[i].light_inverse_pdf / chance) : 0;
     }
     free(powers);
     return MCV_OK;
@@ -226,7 +228,7 @@ mcv_result mcv_pack_light(const mcv_scene *scene, mcv_packed *packed, uint32_t *
 
 /* An estimate of the flux of one light path, over the radiance (irradiance, intensity). */
 static double typical_flux(const mcv_device_emitter *e) {
-    return (double)e->light_flux * (double)e->light_aim;
+    return (double)e->light_inverse_pdf * (double)e->light_aim;
 }
 
 /*
@@ -297,7 +299,7 @@ uint32_t mcv_light_thinning(const mcv_packed *packed, const mcv_sensor *sensor) 
     for (uint32_t i = 0; i < packed->emitter_count; ++i) {
         const mcv_device_emitter *e = &packed->emitters[i];
         const bool punctual = e->type == MCV_EMITTER_POINT || e->type == MCV_EMITTER_DIRECTIONAL;
-        if (!(e->light_flux > 0)) continue;
+        if (!(e->light_inverse_pdf > 0)) continue;
         /* Emitters without a choice of directions towards the balls lose some paths that miss the
          * balls. */
         if (!punctual && (!is_aimed(e->type) || is_narrow(e))) return 0;
@@ -316,7 +318,7 @@ uint32_t mcv_light_thinning(const mcv_packed *packed, const mcv_sensor *sensor) 
 bool mcv_camera_finds_light(const mcv_packed *packed) {
     for (uint32_t i = 0; i < packed->emitter_count; ++i) {
         const mcv_device_emitter *e = &packed->emitters[i];
-        if (e->light_flux > 0 && !is_aimed(e->type) && e->type != MCV_EMITTER_PROJECTOR)
+        if (e->light_inverse_pdf > 0 && !is_aimed(e->type) && e->type != MCV_EMITTER_PROJECTOR)
             return false;
     }
     return true;
@@ -333,7 +335,7 @@ bool mcv_traces_light(const mcv_packed *packed, const mcv_sensor *sensor) {
     const double paths = exp2(-(double)thinning) * (double)mcv_tiled_pixels(width, height);
     for (uint32_t i = 0; i < packed->emitter_count; ++i) {
         const mcv_device_emitter *e = &packed->emitters[i];
-        if (!(e->light_flux > 0)) continue;
+        if (!(e->light_inverse_pdf > 0)) continue;
         if (is_aimed(e->type) || e->type == MCV_EMITTER_PROJECTOR) {
             /*
              * Camera paths find this light too (mcv_light_path_mis_weight in

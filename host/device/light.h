@@ -6,7 +6,7 @@
 
 #include "device/pack.h"
 
-/* Fills in the balls, the emitters' light_flux, light_aim and media, and the shares by which
+/* Fills in the balls, the emitters' light_inverse_pdf, light_aim and media, and the shares by which
  * emitters are chosen: emitter_count + 1 entries of cdf. */
 mcv_result mcv_pack_light(const mcv_scene *scene, mcv_packed *packed, uint32_t *cdf,
                           mcv_error *error);

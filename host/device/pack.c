@@ -170,7 +170,7 @@ static mcv_result pack_all(const mcv_scene *scene, const mcv_packed *earlier, mc
     packed->features = mcv_decide_features(scene, packed, NULL, usual, NULL);
     MCV_TRY(mcv_pack_light(scene, packed, packed->emitter_cdf + packed->light_cdf, error));
     for (uint32_t i = 0; i < scene->instance_count; ++i)
-        packed->instances[i].shading = mcv_shading_of(packed, &packed->instances[i]);
+        packed->instances[i].shading = mcv_instance_shading(packed, &packed->instances[i]);
     return MCV_OK;
 }
 

@@ -79,7 +79,7 @@ mcv_device_material mcv_pack_material(const mcv_material *material) {
     const double roughness = mcv_material_roughness(material).roughness;
     const bool matt =
         material->type == MCV_MATERIAL_METALLIC_ROUGHNESS && roughness * roughness >= wide_alpha;
-    if (material->type == MCV_MATERIAL_DIFFUSE || matt) out.connectable = 1;
+    if (material->type == MCV_MATERIAL_DIFFUSE || matt) out.broad_lobe = 1;
     out.near_specular = is_sharp(material);
     return out;
 }
@@ -130,7 +130,7 @@ void mcv_pack_textures(const mcv_scene *scene, mcv_packed *packed) {
 
 /* How the tile schedule shades an instance's surface (kernels/schedule/ranges.h), when all else is
  * known. */
-uint32_t mcv_shading_of(const mcv_packed *packed, const mcv_device_instance *instance) {
+uint32_t mcv_instance_shading(const mcv_packed *packed, const mcv_device_instance *instance) {
     const mcv_device_material *m = &packed->materials[instance->material];
     const mcv_device_emitter *e =
         instance->emitter == MCV_NONE ? NULL : packed->emitters + instance->emitter;
@@ -143,7 +143,7 @@ uint32_t mcv_shading_of(const mcv_packed *packed, const mcv_device_instance *ins
         return m->scattering_sides == 1 ? MCV_SHADING_DIFFUSE : MCV_SHADING_ANY;
     if (m->type == MCV_MATERIAL_DIELECTRIC && !m->scattering_sides)
         return m->texture == MCV_NONE ? MCV_SHADING_SMOOTH : MCV_SHADING_ANY;
-    return packed->glossy && m->scattering_sides && !mcv_material_is_scatterer(m->type)
+    return packed->glossy && m->scattering_sides && !mcv_material_has_own_bsdf(m->type)
                ? MCV_SHADING_GLOSSY
                : MCV_SHADING_ANY;
 }

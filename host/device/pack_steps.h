@@ -39,7 +39,7 @@ size_t mcv_texel_words(const mcv_texture *texture);
 void mcv_pack_textures(const mcv_scene *scene, mcv_packed *packed);
 
 /* MCV_SHADING_… of an instance (kernels/schedule/ranges.h), when all else is packed. */
-uint32_t mcv_shading_of(const mcv_packed *packed, const mcv_device_instance *instance);
+uint32_t mcv_instance_shading(const mcv_packed *packed, const mcv_device_instance *instance);
 
 /* pack_emitters.c */
 

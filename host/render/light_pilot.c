@@ -80,7 +80,7 @@ double mcv_missed_squares(double missed, double uncertain, double brightest) {
 static double brightest_emitter(const mcv_packed *packed) {
     double brightest = 0;
     for (uint32_t i = 0; i < packed->emitter_count; ++i)
-        for (int k = 0; packed->emitters[i].light_flux > 0 && k < 3; ++k)
+        for (int k = 0; packed->emitters[i].light_inverse_pdf > 0 && k < 3; ++k)
             brightest = fmax(brightest, (double)packed->emitters[i].radiance[k]);
     return brightest;
 }

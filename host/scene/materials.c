@@ -23,7 +23,7 @@ mcv_roughness mcv_material_roughness(const mcv_material *material) {
     }
 }
 
-bool mcv_material_is_scatterer(uint32_t type) { return MCV_IS_MATERIAL_OF(MCV_SCATTERERS, type); }
+bool mcv_material_has_own_bsdf(uint32_t type) { return MCV_IS_MATERIAL_OF(MCV_OWN_BSDFS, type); }
 
 bool mcv_material_is_plate(uint32_t type) { return MCV_IS_MATERIAL_OF(MCV_PLATES, type); }
 

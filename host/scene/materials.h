@@ -16,7 +16,7 @@ typedef struct mcv_roughness {
 } mcv_roughness;
 mcv_roughness mcv_material_roughness(const mcv_material *material);
 bool mcv_material_is_rough(const mcv_material *material); /* it consists of microfacets */
-bool mcv_material_is_scatterer(uint32_t type);            /* one of MCV_SCATTERERS */
+bool mcv_material_has_own_bsdf(uint32_t type);            /* one of MCV_OWN_BSDFS */
 bool mcv_material_is_plate(uint32_t type);                /* one of MCV_PLATES */
 bool mcv_material_has_medium(uint32_t type); /* one of MCV_MEDIUM_MATERIALS: `as.medium` */
 double mcv_material_coating(const mcv_material *material,

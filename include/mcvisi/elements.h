@@ -53,12 +53,12 @@
     X(coaxial, "coaxial", COAXIAL)
 
 /*
- * Materials that are described by two functions of their own, mcv_scatter_<name> and
- * mcv_respond_<name> in kernels/bsdf/. The struct mcv_<name> holds what these functions need beside
+ * Materials with a BSDF of their own: two functions, mcv_scatter_<name> and mcv_respond_<name> in
+ * kernels/bsdf/. The struct mcv_<name> holds what these functions need beside
  * the reflectance.
  */
 /* clang-format off */
-#define MCV_SCATTERERS(X) \
+#define MCV_OWN_BSDFS(X) \
     X(retroreflector, "retroreflector", RETROREFLECTOR)
 /* clang-format on */
 
@@ -73,7 +73,7 @@
 /*
  * Materials that fill a body of glass, fluid or gas: their parameters begin with MCV_MEDIUM_PARAMS
  * (mcvisi/materials/material.h). One whose surface scatters light by a law of its own is in
- * MCV_SCATTERERS, too.
+ * MCV_OWN_BSDFS, too.
  */
 /* clang-format off */
 #define MCV_MEDIUM_MATERIALS(X) \
@@ -87,7 +87,7 @@
     X(mirror, "mirror", MIRROR) \
     X(conductor, "conductor", CONDUCTOR) \
     X(metallic_roughness, "metallicRoughness", METALLIC_ROUGHNESS) \
-    MCV_SCATTERERS(X) \
+    MCV_OWN_BSDFS(X) \
     X(absorber, "absorber", ABSORBER)
 
 #define MCV_SENSOR_ENUM(name, key, NAME) MCV_SENSOR_##NAME,

@@ -125,13 +125,13 @@ typedef struct mcv_device_material {
     float
         passed[3]; /* beam splitter, diffuse: transmittance; retroreflector: diffuse reflectance */
     float chance;  /* beam splitter, diffuse: probability of reflection */
-    uint connectable;   /* 1: scatters so widely that light paths connect it to the lens even where
+    uint broad_lobe;    /* 1: scatters so broadly that light paths connect it to the lens even where
                            camera paths find the same light */
     uint near_specular; /* 1: scatters so little that light paths continue as at a smooth surface */
     union {
 #define MCV_X(name, key, NAME) mcv_##name name;
 #if !MCV_ON_DEVICE || MCV_WITH_REFLECTOR
-        MCV_SCATTERERS(MCV_X)
+        MCV_OWN_BSDFS(MCV_X)
 #endif
 #if !MCV_ON_DEVICE || MCV_WITH_SHEET
         MCV_PLATES(MCV_X)
@@ -177,16 +177,18 @@ typedef struct mcv_device_emitter {
     uint cdf; /* where its triangle_count + 1 cumulative shares begin, 2^31 = 1; of an environment
                  those of its pixels, kernels/light/environment.h */
     uint triangle_count;
-    float probability; /* probability that next-event estimation chooses it */
-    float radiance[3]; /* or irradiance or intensity, according to its type */
-    float middle[3];   /* centre of its box [m] */
-    float area;        /* [m²] */
-    float light_flux;  /* flux of a light path, over the radiance (irradiance, intensity) and the
-                          measure of its directions; 0: no light paths */
-    uint media;        /* set of the media that surround it */
-    float light_aim;   /* estimate of that measure [sr, m²]; 1: none */
-    float radius;      /* about the centre [m]; negative: the emitter has no place */
-    float facing[3];   /* normal of a flat emitter, else 0 */
+    float probability;       /* probability that next-event estimation chooses it */
+    float radiance[3];       /* or irradiance or intensity, according to its type */
+    float middle[3];         /* centre of its box [m] */
+    float area;              /* [m²] */
+    float light_inverse_pdf; /* of a light path's start, its choice among emitters included: over
+                                the area [m²], of a projector over étendue [m² sr]; of a laser, a
+                                point light and a directional one over the choice alone. 0: no light
+                                paths */
+    uint media;              /* set of the media that surround it */
+    float light_aim;         /* estimate of the measure of their directions [sr, m²]; 1: none */
+    float radius;            /* about the centre [m]; negative: the emitter has no place */
+    float facing[3];         /* normal of a flat emitter, else 0 */
     float narrowest; /* width of its light and how it grows with distance: kernels/light/selection.h
                         [m²] */
     float widening;

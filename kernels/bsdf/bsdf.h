@@ -32,7 +32,7 @@ MCV_FUNCTION mcv_response mcv_respond(mcv_world world, mcv_interaction interacti
                                    direction);
 #endif
 #if MCV_WITH_GLOSSY
-    if (mcv_is_rough(world, &interaction, media)) {
+    if (mcv_is_microfacet(world, &interaction, media)) {
         mcv_glossy_interaction room;
         const mcv_glossy_interaction *m =
             mcv_known_glossy(world, &interaction, material, media, &room);
@@ -43,7 +43,7 @@ MCV_FUNCTION mcv_response mcv_respond(mcv_world world, mcv_interaction interacti
 #define MCV_X(name, key, NAME) \
     if (type == MCV_MATERIAL_##NAME) \
         return mcv_respond_##name(world, interaction, material, media, direction);
-    MCV_SCATTERERS(MCV_X)
+    MCV_OWN_BSDFS(MCV_X)
 #undef MCV_X
 #endif
     return response;
@@ -51,8 +51,8 @@ MCV_FUNCTION mcv_response mcv_respond(mcv_world world, mcv_interaction interacti
 #endif
 
 #if MCV_WITH_LIGHT_TRACING
-MCV_LOOP_FUNCTION int mcv_is_connectable(mcv_world world, mcv_interaction interaction) {
-    return world.materials[world.instances[interaction.surface.instance].material].connectable;
+MCV_LOOP_FUNCTION int mcv_has_broad_lobe(mcv_world world, mcv_interaction interaction) {
+    return world.materials[world.instances[interaction.surface.instance].material].broad_lobe;
 }
 
 MCV_LOOP_FUNCTION int mcv_is_near_specular(mcv_world world, mcv_interaction interaction) {
@@ -88,7 +88,7 @@ MCV_FUNCTION mcv_scattering mcv_scatter(mcv_world world, mcv_interaction interac
     other->chance = 0.0f;
     (void)pair, (void)choice, (void)may_split, (void)unmatched;
 #if MCV_WITH_GLOSSY
-    if (mcv_is_rough(world, &interaction, media)) {
+    if (mcv_is_microfacet(world, &interaction, media)) {
         *unmatched += mcv_is_unmatched(world, &interaction, instance.medium, media);
         return mcv_scatter_glossy(world, interaction, instance.material, media, pair, choice,
                                   may_split, other);
@@ -108,7 +108,7 @@ MCV_FUNCTION mcv_scattering mcv_scatter(mcv_world world, mcv_interaction interac
     case MCV_MATERIAL_##NAME: \
         *unmatched += mcv_is_unmatched(world, &interaction, instance.medium, media); \
         return mcv_scatter_##name(world, interaction, instance.material, media, pair, choice);
-        MCV_SCATTERERS(MCV_X)
+        MCV_OWN_BSDFS(MCV_X)
 #undef MCV_X
 #endif
 #if MCV_WITH_TRANSLUCENT

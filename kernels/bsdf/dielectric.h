@@ -26,11 +26,10 @@ MCV_LOOP_FUNCTION mcv_crossing mcv_cross_surface(mcv_world world,
     entered |= interaction->entered;
 #endif
     /* The body in contact, on the other side. */
-    if (mcv_is_exact(interaction->surface.primitive) && interaction->surface.u > 0.0f) {
+    const uint touching = mcv_touching_solid(&interaction->surface);
+    if (touching > 0u) {
         const uint other =
-            1u << (world.instances[world.solids[(uint)interaction->surface.u - 1u].instance[0]]
-                       .medium -
-                   1u);
+            1u << (world.instances[world.solids[touching - 1u].instance[0]].medium - 1u);
         exited |= interaction->inside ? 0u : other;
         entered |= interaction->inside ? other : 0u;
     }

@@ -23,8 +23,8 @@ MCV_FUNCTION mcv_vec3 mcv_microfacet_local(const mcv_glossy_interaction *m, mcv_
     return mcv_vec(mcv_dot(v, m->x), mcv_dot(v, m->y), mcv_dot(v, m->z));
 }
 
-/* Whether the material is one of microfacets: a smooth metal is not. */
-static int mcv_is_rough(mcv_world world, const mcv_interaction *interaction, uint media) {
+/* Whether the surface is one of microfacets: a smooth metal is not. */
+static int mcv_is_microfacet(mcv_world world, const mcv_interaction *interaction, uint media) {
     const mcv_device_instance instance = world.instances[interaction->surface.instance];
     const uint type = world.materials[instance.material].type;
     if (!world.materials[instance.material].scattering_sides) return 0;
@@ -179,15 +179,15 @@ MCV_LOOP_FUNCTION mcv_scattering mcv_split_by_glossy(mcv_world world,
     mcv_scattering on = mcv_turn_by_glossy(world, interaction, from, m,
                                            mcv_choose_glossy_of(from, m, pair, choice));
     const mcv_vec3 h = mcv_ggx_sample(m->microfacets.alpha, m->o, pair.x, pair.y);
-    const float specular = m->lobes.specular,
+    const float microfacet = m->lobes.microfacet,
                 share = mcv_microfacet_fresnel(from, &m->microfacets, mcv_dot(m->o, h)).c[0];
-    const int turns = choice < specular, reflects = choice < specular * share;
+    const int turns = choice < microfacet, reflects = choice < microfacet * share;
     on.chance = turns ? (reflects ? share : 1.0f - share) : 1.0f;
-    on.remainder = choice / specular;
+    on.remainder = choice / microfacet;
     *other = mcv_turn_by_glossy(
         world, interaction, from, m,
         mcv_choose_glossy_of(from, m, pair,
-                             reflects ? specular * (1.0f - MCV_UNIT_ROUNDOFF) : 0.0f));
+                             reflects ? microfacet * (1.0f - MCV_UNIT_ROUNDOFF) : 0.0f));
     other->chance = 1.0f - on.chance;
     return on;
 }

@@ -1,9 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Glossy surfaces: microfacets that reflect (and, of dielectrics, refract), what light they pass on
- * to each other, and what lies below them. Everything is a mixture of a specular lobe and of cosine
- * lobes on both sides, evaluated and sampled by the same lines. Directions are unit vectors in the
- * frame of the surface; o, with o_z > 0, points to where the path comes from.
+ * to each other, and what lies below them. Everything is a mixture of a microfacet lobe and of
+ * cosine lobes on both sides, evaluated and sampled by the same lines. Directions are unit vectors
+ * in the frame of the surface; o, with o_z > 0, points to where the path comes from.
  */
 #ifndef MCVISI_KERNELS_MICROFACET_H
 #define MCVISI_KERNELS_MICROFACET_H
@@ -52,7 +52,7 @@ MCV_LOOP_FUNCTION float mcv_microfacet_reflects(const mcv_device_glossy *m,
     return far > 0.0f ? near / (near + far) : 1.0f;
 }
 
-/* The response of the specular lobe, and of the cosine lobe on the side of i. */
+/* The response of the microfacet lobe, and of the cosine lobe on the side of i. */
 MCV_LOOP_FUNCTION mcv_response mcv_add_cosine_lobes(const mcv_device_glossy *m,
                                                     const mcv_microfacets *microfacets,
                                                     __global const float *albedos,
@@ -122,7 +122,7 @@ MCV_LOOP_FUNCTION mcv_response mcv_microfacet_respond(const mcv_device_glossy *m
     }
 #endif
     response.density =
-        meets ? lobes->specular * (far ? 1.0f - chance : chance) * facets / (1.0f + lobes->lambda)
+        meets ? lobes->microfacet * (far ? 1.0f - chance : chance) * facets / (1.0f + lobes->lambda)
               : 0.0f;
 
     return mcv_add_cosine_lobes(m, microfacets, albedos, lobes, i, response);
@@ -136,8 +136,8 @@ MCV_LOOP_FUNCTION mcv_vec3 mcv_microfacet_sample(const mcv_device_glossy *m,
                                                  const mcv_lobes *lobes, mcv_vec3 o, float xi,
                                                  float eta, float choice) {
     const mcv_vec3 spread = mcv_sample_cosine(xi, eta);
-    const int diffuse = choice >= lobes->specular,
-              near = choice - lobes->specular < lobes->near_chance;
+    const int diffuse = choice >= lobes->microfacet,
+              near = choice - lobes->microfacet < lobes->near_chance;
     const mcv_vec3 h = mcv_ggx_sample(microfacets->alpha, o, xi, eta);
     const float cosine = mcv_dot(o, h);
     mcv_color passed;
@@ -145,7 +145,7 @@ MCV_LOOP_FUNCTION mcv_vec3 mcv_microfacet_sample(const mcv_device_glossy *m,
         m, microfacets, lobes, cosine, mcv_microfacet_fresnel(m, microfacets, cosine), &passed);
     const int passes =
         microfacets->type == MCV_MATERIAL_DIELECTRIC || mcv_brightest(lobes->passing) > 0.0f;
-    const int reflects = choice < lobes->specular * (passes ? share : 1.0f);
+    const int reflects = choice < lobes->microfacet * (passes ? share : 1.0f);
     mcv_vec3 i = mcv_normalize(mcv_along(mcv_scale(o, -1.0f), 2.0f * cosine, h));
     int goes_on = i.z > 0.0f;
     i.z = reflects ? i.z : -i.z;

@@ -10,10 +10,10 @@ typedef struct mcv_lobes {
     float lambda;   /* Λ(o) */
     mcv_color more; /* metallic-roughness: three and more reflections, as a share of those of white
                        microfacets */
-    mcv_color passing;           /* factor of what passes a thin wall */
-    mcv_color near_a, near_b;    /* cosine lobes on the ray's side: near_a a(i) + near_b b(i) … */
-    mcv_color far_a, far_b;      /* … and on the other */
-    float specular, near_chance; /* with which the lobes are chosen; else the far one */
+    mcv_color passing;        /* factor of what passes a thin wall */
+    mcv_color near_a, near_b; /* cosine lobes on the ray's side: near_a a(i) + near_b b(i) … */
+    mcv_color far_a, far_b;   /* … and on the other */
+    float microfacet, near_chance; /* with which the lobes are chosen; else the far one */
     float far_chance;
 } mcv_lobes;
 
@@ -34,7 +34,7 @@ MCV_LOOP_FUNCTION mcv_lobes mcv_no_lobes(float lambda) {
     lobes.lambda = lambda;
     lobes.passing = lobes.more = mcv_grey(0.0f);
     lobes.near_a = lobes.near_b = lobes.far_a = lobes.far_b = mcv_grey(0.0f);
-    lobes.specular = lobes.near_chance = lobes.far_chance = 0.0f;
+    lobes.microfacet = lobes.near_chance = lobes.far_chance = 0.0f;
     return lobes;
 }
 
@@ -52,7 +52,7 @@ MCV_LOOP_FUNCTION mcv_lobes mcv_glass_lobes(const mcv_device_glossy *m,
             microfacets)) { /* the table has it; cosines choose directions, by n² of either side */
         lobes.far_chance = missing / (1.0f + square);
         lobes.near_chance = missing - lobes.far_chance;
-        lobes.specular = 1.0f - missing;
+        lobes.microfacet = 1.0f - missing;
         return lobes;
     }
     /* Light in the medium s leaves into t with the share n_t² M_t/X, by X = Σ n² M. */
@@ -64,7 +64,7 @@ MCV_LOOP_FUNCTION mcv_lobes mcv_glass_lobes(const mcv_device_glossy *m,
     const float share = near > 0.0f ? missing / sum : 0.0f;
     lobes.near_chance = near > 0.0f ? missing * near / sum : 0.0f;
     lobes.far_chance = near > 0.0f ? missing - lobes.near_chance : 0.0f;
-    lobes.specular = 1.0f - lobes.near_chance - lobes.far_chance;
+    lobes.microfacet = 1.0f - lobes.near_chance - lobes.far_chance;
     MCV_EACH_CHANNEL(k) {
         lobes.near_a.c[k] = microfacets->inside ? 0.0f : share * square;
         lobes.near_b.c[k] = microfacets->inside ? share * square : 0.0f;
@@ -101,14 +101,14 @@ MCV_LOOP_FUNCTION mcv_lobes mcv_layer_lobes(const mcv_device_glossy *m,
     const float f0 = mcv_fma(microfacets->metallic, brightest - m->f0, m->f0);
     const float reflected = mcv_fma(f0, 1.0f - at.a - at.b, at.b);
     const float passed = brightest * m->transmission * (1.0f - microfacets->metallic);
-    const float specular = mcv_fma(passed, weights.a - at.a, reflected);
+    const float microfacet = mcv_fma(passed, weights.a - at.a, reflected);
     const float spread =
         brightest * weights.a * (1.0f - microfacets->metallic) * (1.0f - m->transmission);
     const float near =
         mcv_fma(spread, 1.0f - m->diffuse_transmission, microfacets->metallic * brightest * at.a);
     const float far = mcv_fma(spread, m->diffuse_transmission, passed * at.a);
-    const float sum = specular + near + far;
-    lobes.specular = specular / sum;
+    const float sum = microfacet + near + far;
+    lobes.microfacet = microfacet / sum;
     lobes.near_chance = near / sum;
     lobes.far_chance = far / sum;
     return lobes;
@@ -127,7 +127,7 @@ MCV_LOOP_FUNCTION mcv_lobes mcv_microfacet_lobes(const mcv_device_glossy *m,
     const float missing = mean.a > 0.0f ? at.a / mean.a : 0.0f;
     if (MCV_WITH_METAL && microfacets->type == MCV_MATERIAL_CONDUCTOR) {
         if (!mcv_has_multiple(m, microfacets)) lobes.near_b = mcv_dim(microfacets->base, missing);
-        lobes.specular = 1.0f - at.a;
+        lobes.microfacet = 1.0f - at.a;
         lobes.near_chance = at.a;
         return lobes;
     }

@@ -62,7 +62,7 @@ static mcv_dvec mcv_turn_precisely(mcv_world world, const mcv_interaction *inter
                    type = world.materials[material].type;
         if (type == MCV_MATERIAL_RETROREFLECTOR) return mcv_scale_d(d, -1.0);
         /* Another law of its own: only floats know it. */
-        if (MCV_IS_MATERIAL_OF(MCV_SCATTERERS, type)) return mcv_dvec_of(0.0, 0.0, 0.0);
+        if (MCV_IS_MATERIAL_OF(MCV_OWN_BSDFS, type)) return mcv_dvec_of(0.0, 0.0, 0.0);
         turned = mcv_reflect_d(d, met->normal);
         if (!(mcv_dot_d(turned, met->face) > 0.0)) turned = mcv_reflect_d(d, met->face);
     }

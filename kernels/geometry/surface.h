@@ -19,10 +19,15 @@ typedef struct mcv_surface {
     mcv_vec3 normal;       /* interpolated, unit, on the front side */
     float area;            /* of the triangle [m²] */
     uint primitive, instance;
-    float u, v; /* place on the triangle; of an exact surface u is 1 + the number of the solid in
-                   contact, or 0 */
+    float u, v; /* place on the triangle; of an exact surface u is for mcv_touching_solid */
     mcv_corners corners;
 } mcv_surface;
+
+/* Of an exact surface 1 + the number of the solid in contact there, 0 without one
+ * (mcv_take_exact_hit); of a triangle 0. */
+MCV_LOOP_FUNCTION uint mcv_touching_solid(const mcv_surface *surface) {
+    return mcv_is_exact(surface->primitive) ? (uint)surface->u : 0u;
+}
 
 MCV_FUNCTION mcv_vec3 mcv_vertex_vector(__global const float *vectors, uint vertex) {
     return mcv_vec(vectors[3 * vertex], vectors[3 * vertex + 1], vectors[3 * vertex + 2]);

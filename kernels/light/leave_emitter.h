@@ -59,7 +59,7 @@ enum {
 MCV_LOOP_FUNCTION mcv_light_path mcv_make_light_path(mcv_world world, uint emitter) {
     __global const mcv_device_emitter *e = world.emitters + emitter;
     mcv_light_path path;
-    path.flux = mcv_dim(mcv_color_at(e->radiance), e->light_flux);
+    path.flux = mcv_dim(mcv_color_at(e->radiance), e->light_inverse_pdf);
     path.throughput = mcv_grey(1.0f);
     path.origin_surface = MCV_NONE;
     path.media = e->media;
@@ -79,15 +79,15 @@ MCV_FUNCTION uint mcv_choose_light(mcv_world world, mcv_pair pair) {
 
 #if MCV_WITH_EMISSION
 /* The path leaves a point in a direction. factor: of the flux, where the density in étendue is not
- * even: cos⁴ of a projector; own: whether the direction was chosen in the emitter's own cone, where
- * it is, wherever rounding puts it. */
+ * even: cos⁴ of a projector; in_emission_cone: whether the direction was chosen in the emission
+ * cone, where it is, wherever rounding puts it. */
 MCV_LOOP_FUNCTION void mcv_leave_point(mcv_world world, mcv_surface surface, mcv_vec3 direction,
-                                       mcv_aiming aimed, float factor, int own,
+                                       mcv_aiming aimed, float factor, int in_emission_cone,
                                        mcv_light_path *path) {
     __global const mcv_device_emitter *e = world.emitters + path->emitter;
     mcv_color radiance = mcv_full_radiance(world, surface, path->emitter);
     const float profile = mcv_angular_profile(e, surface.face, surface.normal, direction);
-    float sent = (own & (e->type == MCV_EMITTER_PARALLEL)) ? 1.0f : profile;
+    float sent = (in_emission_cone & (e->type == MCV_EMITTER_PARALLEL)) ? 1.0f : profile;
 #if MCV_WITH_TEXTURE
     if (MCV_SENDS_BY_PIXEL(e)) {
         radiance = mcv_emitted(world, surface, path->emitter, direction);
@@ -110,9 +110,9 @@ MCV_LOOP_FUNCTION void mcv_leave_point(mcv_world world, mcv_surface surface, mcv
 
 #if MCV_WITH_EMISSION || MCV_WITH_PUNCTUAL
 /* Towards one of the balls. */
-MCV_FUNCTION mcv_vec3 mcv_aim_light(mcv_world world, mcv_vec3 from, mcv_cone *own, mcv_pair pair,
+MCV_FUNCTION mcv_vec3 mcv_aim_light(mcv_world world, mcv_vec3 from, mcv_cone *cone, mcv_pair pair,
                                     mcv_aiming *aimed) {
-    return mcv_aim_anywhere(world.frame->balls, world.frame->ball_count, from, own, pair.x, pair.y,
+    return mcv_aim_anywhere(world.frame->balls, world.frame->ball_count, from, cone, pair.x, pair.y,
                             aimed);
 }
 #endif
@@ -151,7 +151,7 @@ MCV_FUNCTION void mcv_leave_surface(mcv_world world, mcv_pair place, mcv_pair tu
     }
 #endif
 #if MCV_WITH_EMISSION
-    mcv_cone cone = mcv_own_cone(e, surface.normal);
+    mcv_cone cone = mcv_emission_cone(e, surface.normal);
     mcv_aiming aimed = {0.0f, 0u};
     mcv_vec3 direction;
     float factor = 1.0f;
@@ -164,7 +164,7 @@ MCV_FUNCTION void mcv_leave_surface(mcv_world world, mcv_pair place, mcv_pair tu
     } else
 #endif
         direction = mcv_aim_light(world, surface.point, &cone, turn, &aimed);
-    mcv_leave_point(world, surface, direction, aimed, factor, cone.own, path);
+    mcv_leave_point(world, surface, direction, aimed, factor, cone.is_emission_cone, path);
 #endif
 }
 #endif
@@ -172,13 +172,13 @@ MCV_FUNCTION void mcv_leave_surface(mcv_world world, mcv_pair place, mcv_pair tu
 #if MCV_WITH_PUNCTUAL
 MCV_FUNCTION void mcv_leave_point_light(mcv_world world, mcv_pair turn, mcv_light_path *path) {
     __global const mcv_device_emitter *e = world.emitters + path->emitter;
-    mcv_cone own;
+    mcv_cone cone;
     mcv_aiming all;
-    own.axis = mcv_vec_at(e->light.axis);
-    own.squared = e->light.edge;
-    own.own = 1;
+    cone.axis = mcv_vec_at(e->light.axis);
+    cone.squared = e->light.edge;
+    cone.is_emission_cone = 1;
     path->origin = mcv_vec_at(e->light.position);
-    path->direction = mcv_aim_light(world, path->origin, &own, turn, &all);
+    path->direction = mcv_aim_light(world, path->origin, &cone, turn, &all);
     const float angle = all.within > 0u ? all.angle / (float)all.within : 0.0f;
     path->flux = mcv_dim(path->flux, angle * mcv_point_light_profile(&e->light, path->direction));
 }

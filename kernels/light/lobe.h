@@ -13,14 +13,14 @@
  * The approximate response of a receiver to light from a direction, with d the density of
  * microfacets and θ the angle to the normal (mcv_lobe_towards):
  *
- *     f cosθ = specular d + spread cosθ/π + even
+ *     f cosθ = microfacet d + spread cosθ/π + even
  *
  * It only ranks emitters. A lobe that is narrower than an emitter is taken as wide as that.
  */
 typedef struct mcv_receiver_lobe {
     mcv_vec3 along;                      /* unit, along the brushing */
     float along_squared, across_squared; /* α² */
-    float specular, spread, even;        /* weights of the three terms */
+    float microfacet, spread, even;      /* weights of the three terms */
 } mcv_receiver_lobe;
 
 /* Of a receiver without a lobe. */
@@ -76,7 +76,7 @@ MCV_LOOP_FUNCTION float mcv_lobe_towards(__global const mcv_device_emitter *e, m
     const float wide = cosine * (1.0f / MCV_PI);
     const int nowhere = e->radius < 0.0f;
     const float mean = 0.5f / MCV_PI;
-    return mcv_fma(lobe.specular, nowhere ? mean : facets,
+    return mcv_fma(lobe.microfacet, nowhere ? mean : facets,
                    mcv_fma(lobe.spread, nowhere ? mean : wide, lobe.even));
 }
 #endif

@@ -48,8 +48,8 @@ MCV_LOOP_FUNCTION float mcv_bsdf_pdf_over_ratio(mcv_world world, mcv_slot slot, 
 /*
  * The weight of light paths in light that camera paths find by chance, too: the balance heuristic.
  * Light paths start with the density 1/etendue. Camera paths that choose directions by cosθ/π have
- * the uniform density 1/(π footprint) in étendue, of a pixel's footprint at the first diffuse
- * surface. Between diffuse surfaces both continue alike. Smooth surfaces keep étendue, and
+ * the uniform density 1/(π footprint) in étendue, of a pixel's footprint at the first broad
+ * surface. Between broad surfaces both continue alike. Smooth surfaces keep étendue, and
  * near-specular ones about do: they scatter alike in both directions. Both kinds of paths compute
  * the weight from the depth of that surface. So nothing is lost or counted twice where materials or
  * the surface's slope make the weight less than the best.

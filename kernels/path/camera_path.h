@@ -118,35 +118,36 @@
      !MCV_WITH_DISPERSION)
 
 /*
- * The surfaces that a camera path has hit so far; "diffuse" is what is `connectable`. If the sensor
- * sees a diffuse surface first, directly or through a plate, light paths carry light by smooth and
- * `near_specular` surfaces to a diffuse one. A camera path that began so is weighted against
+ * The surfaces that a camera path has hit so far; "broad" is one with a `broad_lobe`. If the sensor
+ * sees a broad surface first, directly or through a plate, light paths carry light by smooth and
+ * `near_specular` surfaces to a broad one. A camera path that began so is weighted against
  * them (mcv_light_path_mis_weight) and finds it by chance only. If the sensor sees a glossy surface
  * first, camera paths find that light: the lens would seldom lie in the surface's highlights.
  */
 enum {
     MCV_PATH_CLASS_STRAIGHT, /* nothing but what passes light straight on */
     MCV_PATH_CLASS_OTHER,    /* first of all another smooth surface, or a glossy one */
-    MCV_PATH_CLASS_DIFFUSE,  /* first a diffuse surface; the last one, too */
-    MCV_PATH_CLASS_GLOSSY,   /* first a diffuse surface; the last scattering one is glossy */
-    MCV_PATH_CLASS_CARRIED   /* first a diffuse surface; then, too, but for smooth and near-specular
-                                ones   since */
+    MCV_PATH_CLASS_BROAD,    /* first a broad surface; the last one, too */
+    MCV_PATH_CLASS_GLOSSY,   /* first a broad surface; the last scattering one is glossy */
+    MCV_PATH_CLASS_CARRIED   /* the same as BROAD, but for smooth and near-specular surfaces
+                                since */
 };
 
 #if MCV_ON_DEVICE
 #include "world.h"
 
 #define MCV_PATH_OFFSET(field, words) \
-    MCV_PATH_##field, MCV_PATH_AFTER_##field = MCV_PATH_##field + (words)-1,
+    MCV_PATH_##field, MCV_PATH_LAST_##field = MCV_PATH_##field + (words)-1,
 #define MCV_LARGER(a, b) ((a) > (b) ? (a) : (b))
-/* `AFTER` is the last word of a field, so that the next one follows. */
+/* `LAST` is the last word of a field, or of several: the next one follows it. Fields of camera
+ * paths and of light paths begin with the same word, MCV_PATH_OWN. */
 enum {
     MCV_RAY_FIELDS(MCV_PATH_OFFSET) MCV_PATH_OWN,
-    MCV_PATH_AFTER_ray = MCV_PATH_OWN - 1,
+    MCV_PATH_LAST_ray = MCV_PATH_OWN - 1,
     MCV_CAMERA_FIELDS(MCV_PATH_OFFSET) MCV_PATH_CAMERA_END,
-    MCV_PATH_AFTER_camera = MCV_PATH_OWN - 1,
+    MCV_PATH_REWIND = MCV_PATH_OWN - 1,
     MCV_LIGHT_FIELDS(MCV_PATH_OFFSET) MCV_PATH_LIGHT_END,
-    MCV_PATH_AFTER_own = MCV_LARGER(MCV_PATH_CAMERA_END, MCV_PATH_LIGHT_END) - 1,
+    MCV_PATH_LAST_own = MCV_LARGER(MCV_PATH_CAMERA_END, MCV_PATH_LIGHT_END) - 1,
     MCV_HIT_FIELDS(MCV_PATH_OFFSET) MCV_CAMERA_HIT_FIELDS(MCV_PATH_OFFSET) MCV_PATH_WORDS
 };
 

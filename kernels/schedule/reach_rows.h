@@ -36,7 +36,7 @@ MCV_LOOP_FUNCTION void mcv_keep_lobe(mcv_lobe_rows *rows, uint i, mcv_receiver_l
     rows->words[2][i] = lobe.along.z;
     rows->words[3][i] = lobe.along_squared;
     rows->words[4][i] = lobe.across_squared;
-    rows->words[5][i] = lobe.specular;
+    rows->words[5][i] = lobe.microfacet;
     rows->words[6][i] = lobe.spread;
     rows->words[7][i] = lobe.even;
 }

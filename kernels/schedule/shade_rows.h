@@ -70,8 +70,8 @@ MCV_BATCH uint mcv_split_paths(mcv_world world, uint *paths, const uint *fate, u
     for (uint i = 0; i < last; ++i) splitting[i] = fate[i] & MCV_SPLITS;
     const uint rows[4][2] = {{MCV_PATH_stream, MCV_PATH_sample + 1 + MCV_WITH_MOVING},
                              {MCV_PATH_weight, MCV_PATH_hit + 4},
-                             {MCV_PATH_point, MCV_PATH_AFTER_glossy_known + 1},
-                             {MCV_PATH_branch_state, MCV_PATH_AFTER_branch_state + 1}};
+                             {MCV_PATH_point, MCV_PATH_LAST_glossy_known + 1},
+                             {MCV_PATH_branch_state, MCV_PATH_LAST_branch_state + 1}};
     for (uint i = 0; i < 4; ++i) {
         uint *from = paths + rows[i][0] * MCV_ROW;
         count =

@@ -48,7 +48,7 @@ MCV_LOOP_FUNCTION float mcv_within_range(__global const mcv_device_emitter *e, f
 /* Do camera paths alone bring the light of this surface? */
 MCV_LOOP_FUNCTION int mcv_is_left_to_camera(mcv_world world, mcv_interaction interaction,
                                             uint light_flags) {
-    return ((light_flags & MCV_LIGHT_FLAG_FOUND) != 0u) & !mcv_is_connectable(world, interaction);
+    return ((light_flags & MCV_LIGHT_FLAG_FOUND) != 0u) & !mcv_has_broad_lobe(world, interaction);
 }
 
 #if MCV_WITH_NEXT_EVENT

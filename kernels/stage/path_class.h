@@ -20,10 +20,10 @@ MCV_LOOP_FUNCTION void mcv_update_path_class(mcv_world world, mcv_slot slot,
               passes = shading.kind == MCV_SHADING_ANY && on.event == MCV_EVENT_PASS &&
                        mcv_is_plate(world, *interaction);
     const int straight = before == MCV_PATH_CLASS_STRAIGHT,
-              carries = (before == MCV_PATH_CLASS_DIFFUSE) | (before == MCV_PATH_CLASS_CARRIED);
+              carries = (before == MCV_PATH_CLASS_BROAD) | (before == MCV_PATH_CLASS_CARRIED);
     const float footprint = mcv_sensor_footprint(
         world.sensor, mcv_point_to_optical(world.frame, interaction->surface.point).z);
-    const uint scattered = mcv_is_connectable(world, *interaction) ? MCV_PATH_CLASS_DIFFUSE
+    const uint scattered = mcv_has_broad_lobe(world, *interaction) ? MCV_PATH_CLASS_BROAD
                            : straight                              ? MCV_PATH_CLASS_OTHER
                                                                    : MCV_PATH_CLASS_GLOSSY;
     const uint smooth = carries                ? MCV_PATH_CLASS_CARRIED

@@ -15,8 +15,8 @@ MCV_LOOP_FUNCTION mcv_receiver_lobe mcv_lobe_of_glossy(const mcv_glossy_interact
     lobe.along = m->x;
     lobe.along_squared = m->microfacets.alpha.x * m->microfacets.alpha.x;
     lobe.across_squared = m->microfacets.alpha.y * m->microfacets.alpha.y;
-    lobe.specular = m->lobes.specular;
-    lobe.spread = 1.0f - m->lobes.specular;
+    lobe.microfacet = m->lobes.microfacet;
+    lobe.spread = 1.0f - m->lobes.microfacet;
     lobe.even = 0.0f;
     return lobe;
 }
@@ -29,7 +29,7 @@ MCV_FUNCTION mcv_receiver_lobe mcv_receiver_lobe_at(mcv_world world, mcv_slot sl
                media = mcv_path_media(slot);
     mcv_glossy_interaction room;
     if (world.materials[material].type == MCV_MATERIAL_DIELECTRIC ||
-        !mcv_is_rough(world, interaction, media))
+        !mcv_is_microfacet(world, interaction, media))
         return mcv_even_lobe();
     if (!MCV_WITH_DISPERSION)
         return mcv_lobe_of_glossy(mcv_known_glossy(world, interaction, material, media, &room));

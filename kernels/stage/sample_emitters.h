@@ -122,7 +122,7 @@ MCV_LOOP_FUNCTION int mcv_leaves_to_light_paths(mcv_world world, mcv_slot slot, 
     if (!MCV_WITH_LIGHT_TRACING) return 0;
     const uint path_class = MCV_WORD(slot, path_class, 0);
     return near_specular &
-           ((path_class == MCV_PATH_CLASS_DIFFUSE) | (path_class == MCV_PATH_CLASS_CARRIED)) &
+           ((path_class == MCV_PATH_CLASS_BROAD) | (path_class == MCV_PATH_CLASS_CARRIED)) &
            mcv_has_light_paths(world, emitter);
 }
 

@@ -100,7 +100,7 @@ MCV_FUNCTION int mcv_shade_any_light_hit(mcv_world world, mcv_interaction intera
                                          uint *unmatched, mcv_light_path *path) {
     mcv_scattering other;
     /* It would end there: mcv_continue_light_path. */
-    if (!(path->light_flags & MCV_LIGHT_FLAG_CARRIED) && mcv_is_connectable(world, interaction))
+    if (!(path->light_flags & MCV_LIGHT_FLAG_CARRIED) && mcv_has_broad_lobe(world, interaction))
         return 0;
     const mcv_scattering on =
         mcv_scatter(world, interaction, path->media, pair, choice.x, 0, unmatched, &other);

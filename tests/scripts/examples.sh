@@ -96,7 +96,7 @@ material() {
 # scatterer NAME TYPE FOLDER ASSIGNMENTS: a scattering material, whose functions in the reference
 # renderer the ASSIGNMENTS name.
 scatterer() {
-    material "$1" "$2" "$3" MCV_SCATTERERS retroreflector
+    material "$1" "$2" "$3" MCV_OWN_BSDFS retroreflector
     # 6. The model once more, in the reference renderer.
     before host/reference/path_surface.c 'bool ref_meet_surface' \
         "$(cat "$examples/$3/path_surface.c")"
@@ -126,7 +126,7 @@ add_plate() {
 
 # shellcheck disable=SC1003 # the backslash is C's
 add_interface() {
-    material ground_glass groundGlass interface MCV_SCATTERERS retroreflector
+    material ground_glass groundGlass interface MCV_OWN_BSDFS retroreflector
     # 2. A line in the list of those that fill a body.
     after include/mcvisi/elements.h '#define MCV_MEDIUM_MATERIALS(X)' \
         '    X(ground_glass, "groundGlass", GROUND_GLASS) \'

@@ -10,10 +10,10 @@
  *
  * A material is one header with
  *     MCV_<NAME>_PARAMS(X)    its parameters (mcvisi/params.h)
- *     mcv_<name>              of MCV_SCATTERERS and MCV_PLATES: what the device needs beside the
+ *     mcv_<name>              of MCV_OWN_BSDFS and MCV_PLATES: what the device needs beside the
  *                             reflectance or transmittance
  *     its optics              for the device; kernels/bsdf/ combines it with the path
- * and one line in MCV_SCATTERERS, MCV_PLATES or MCV_MATERIALS (mcvisi/elements.h). A material that
+ * and one line in MCV_OWN_BSDFS, MCV_PLATES or MCV_MATERIALS (mcvisi/elements.h). A material that
  * fills a body is in MCV_MEDIUM_MATERIALS, too.
  */
 #ifndef MCVISI_MATERIALS_MATERIAL_H

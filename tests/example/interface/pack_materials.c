@@ -3,5 +3,5 @@
 case MCV_MATERIAL_GROUND_GLASS:
 out.as.ground_glass.passed = (float)(1 - material->as.ground_glass.diffuseReflectance);
 out.scattering_sides = 2;
-out.connectable = 1;
+out.broad_lobe = 1;
 break;

@@ -4,5 +4,5 @@ case MCV_MATERIAL_LUNAR_LAMBERT:
 value = material->as.lunar_lambert.reflectance;
 out.as.lunar_lambert.lunar = (float)material->as.lunar_lambert.lunar;
 out.scattering_sides = 1; /* emitters are sampled from the side that the path is on */
-out.connectable = 1;      /* there are no highlights */
+out.broad_lobe = 1;       /* there are no highlights */
 break;
