@@ -19,8 +19,9 @@ MCV_LOOP_FUNCTION mcv_crossing mcv_cross_surface(mcv_world world,
                                                  const mcv_interaction *interaction, uint media) {
     mcv_crossing crossing;
     const uint bit = 1u << (world.instances[interaction->surface.instance].medium - 1u);
-    uint exited = interaction->inside ? bit : 0u,
-         entered = interaction->inside ? 0u : bit; /* media of the bodies that the surface bounds */
+    uint exited = interaction->back_face ? bit : 0u,
+         entered =
+             interaction->back_face ? 0u : bit; /* media of the bodies that the surface bounds */
 #if MCV_WITH_CONTACT
     exited |= interaction->exited;
     entered |= interaction->entered;
@@ -30,8 +31,8 @@ MCV_LOOP_FUNCTION mcv_crossing mcv_cross_surface(mcv_world world,
     if (touching > 0u) {
         const uint other =
             1u << (world.instances[world.solids[touching - 1u].instance[0]].medium - 1u);
-        exited |= interaction->inside ? 0u : other;
-        entered |= interaction->inside ? other : 0u;
+        exited |= interaction->back_face ? 0u : other;
+        entered |= interaction->back_face ? other : 0u;
     }
     crossing.before = (media | exited) & ~entered;
     crossing.after = crossing.before ^ (exited | entered);
@@ -51,11 +52,11 @@ MCV_LOOP_FUNCTION mcv_crossing mcv_cross_surface(mcv_world world,
 /* Where light goes that passes a surface behind which it has the cosine c2 > 0 to its normal. */
 MCV_LOOP_FUNCTION mcv_vec3 mcv_refracted(mcv_device_interface between, mcv_interaction interaction,
                                          float cosine, float c2) {
-    const mcv_vec3 d = mcv_refract(between, interaction.direction, interaction.normal, cosine, c2);
-    const float f1 = -mcv_dot(interaction.direction, interaction.face);
+    const mcv_vec3 d = mcv_refract(between, interaction.direction, interaction.ns, cosine, c2);
+    const float f1 = -mcv_dot(interaction.direction, interaction.ng);
     const float f2 = mcv_refracted_cosine(between, f1);
-    const mcv_vec3 flat = mcv_refract(between, interaction.direction, interaction.face, f1, f2);
-    return mcv_choose(mcv_dot(d, interaction.face) < 0.0f, d,
+    const mcv_vec3 flat = mcv_refract(between, interaction.direction, interaction.ng, f1, f2);
+    return mcv_choose(mcv_dot(d, interaction.ng) < 0.0f, d,
                       mcv_choose(f2 > 0.0f, flat, interaction.direction));
 }
 
@@ -69,7 +70,7 @@ MCV_LOOP_FUNCTION mcv_scattering mcv_scatter_dielectric(mcv_world world,
                                                         mcv_scattering *other) {
     const mcv_crossing crossing = mcv_cross_surface(world, &interaction, media);
     const mcv_device_interface between = crossing.between;
-    const float c1 = -mcv_dot(interaction.direction, interaction.normal);
+    const float c1 = -mcv_dot(interaction.direction, interaction.ns);
     const float cosine = c1 < 1.0f ? c1 : 1.0f;
     const float c2 = mcv_refracted_cosine(between, cosine);
     const int bends = between.delta != 0.0f, total = bends & !(c2 > 0.0f);

@@ -19,8 +19,8 @@ MCV_LOOP_FUNCTION mcv_scattering mcv_scatter_diffuse(mcv_interaction interaction
     } else
 #endif
         scattering.direction =
-            mcv_diffuse_sample(interaction.normal, pair.x, pair.y, &scattering.density);
-    const int reflects = mcv_dot(scattering.direction, interaction.face) > 0.0f;
+            mcv_diffuse_sample(interaction.ns, pair.x, pair.y, &scattering.density);
+    const int reflects = mcv_dot(scattering.direction, interaction.ng) > 0.0f;
     MCV_EACH_CHANNEL(i) scattering.factor.c[i] = reflects ? reflectance.c[i] : 0.0f;
     return scattering;
 }
@@ -30,8 +30,8 @@ MCV_LOOP_FUNCTION mcv_response mcv_respond_diffuse(const mcv_interaction *intera
                                                    mcv_color reflectance, uint media,
                                                    mcv_vec3 direction) {
     mcv_response response;
-    const float cosine = mcv_dot(direction, interaction->normal);
-    const int comes = (cosine > 0.0f) & (mcv_dot(direction, interaction->face) > 0.0f);
+    const float cosine = mcv_dot(direction, interaction->ns);
+    const int comes = (cosine > 0.0f) & (mcv_dot(direction, interaction->ng) > 0.0f);
     response.density = comes ? mcv_diffuse_density(cosine) : 0.0f;
     response.f_cos = mcv_dim(reflectance, response.density);
     response.media = media;
@@ -46,8 +46,8 @@ static mcv_scattering mcv_scatter_translucent(mcv_world world, mcv_interaction i
     const float chance = world.materials[material].chance;
     const int through = choice >= chance;
     if (through) {
-        interaction.normal = mcv_scale(interaction.normal, -1.0f);
-        interaction.face = mcv_scale(interaction.face, -1.0f);
+        interaction.ns = mcv_scale(interaction.ns, -1.0f);
+        interaction.ng = mcv_scale(interaction.ng, -1.0f);
 #if MCV_TILE
         interaction.bounces = 0; /* that has been worked out for the other side */
 #endif
@@ -64,9 +64,9 @@ static mcv_scattering mcv_scatter_translucent(mcv_world world, mcv_interaction i
 MCV_FUNCTION mcv_response mcv_respond_translucent(mcv_world world, mcv_interaction interaction,
                                                   uint material, uint media, mcv_vec3 direction) {
     const float chance = world.materials[material].chance;
-    const float cosine = mcv_dot(direction, interaction.normal);
+    const float cosine = mcv_dot(direction, interaction.ns);
     mcv_response response;
-    if (cosine < 0.0f && mcv_dot(direction, interaction.face) < 0.0f) {
+    if (cosine < 0.0f && mcv_dot(direction, interaction.ng) < 0.0f) {
         response.density = mcv_diffuse_density(-cosine);
         response.f_cos =
             mcv_dim(mcv_material_passed(world, interaction.surface, material), response.density);

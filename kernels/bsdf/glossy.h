@@ -65,7 +65,7 @@ MCV_LOOP_FUNCTION mcv_glossy_interaction mcv_make_glossy_interaction_of(
     m.microfacets.layer =
         from->roughnesses > 1u ? polish.scale * (float)(from->roughnesses - 1) : 0.0f;
     m.microfacets.table = from->table;
-    m.microfacets.inside = interaction->inside;
+    m.microfacets.inside = interaction->back_face;
     m.microfacets.between.eta = 1.0f;
     m.microfacets.between.delta = 0.0f;
     m.microfacets.alpha.x = mcv_fma(1.0f - alpha, from->anisotropy, alpha);
@@ -83,7 +83,7 @@ MCV_LOOP_FUNCTION mcv_glossy_interaction mcv_make_glossy_interaction_of(
             mcv_sqrt(world.medium_table[mcv_filling_medium(media)].inverse_index_squared);
     }
 
-    m.z = interaction->normal;
+    m.z = interaction->ns;
     mcv_basis(m.z, &m.x, &m.y);
     if (MCV_WITH_ANISOTROPY) {
         const int turns = from->anisotropy > 0.0f;
@@ -126,8 +126,7 @@ MCV_FUNCTION const mcv_glossy_interaction *mcv_known_glossy(mcv_world world,
     return room;
 }
 
-/* The direction is unit. Where the interpolated normal and the face disagree on its side nothing
- * comes. */
+/* The direction is unit. Where ns and ng disagree on its side nothing comes. */
 MCV_LOOP_FUNCTION mcv_response mcv_respond_glossy_of(mcv_world world,
                                                      const mcv_interaction *interaction,
                                                      const mcv_device_glossy *from,
@@ -135,7 +134,7 @@ MCV_LOOP_FUNCTION mcv_response mcv_respond_glossy_of(mcv_world world,
                                                      mcv_vec3 direction) {
     const mcv_vec3 i = mcv_microfacet_local(m, direction);
     const int far = i.z < 0.0f;
-    const float side = mcv_dot(direction, interaction->face);
+    const float side = mcv_dot(direction, interaction->ng);
     const int comes = far ? side < 0.0f : side > 0.0f;
     mcv_response response =
         mcv_microfacet_respond(from, &m->microfacets, world.albedos, &m->lobes, m->o, i);
@@ -214,7 +213,7 @@ static mcv_scattering mcv_scatter_conductor(mcv_world world, mcv_interaction int
         MCV_WITH_DIELECTRIC
             ? mcv_sqrt(world.medium_table[mcv_filling_medium(media)].inverse_index_squared)
             : 1.0f;
-    const float cosine = -mcv_dot(interaction.direction, interaction.normal);
+    const float cosine = -mcv_dot(interaction.direction, interaction.ns);
     MCV_EACH_CHANNEL(i)
     scattering.factor.c[i] = mcv_conductor_fresnel(from->n[i] * scale, from->k[i] * scale,
                                                    cosine < 1.0f ? cosine : 1.0f);

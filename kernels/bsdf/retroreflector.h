@@ -61,15 +61,14 @@ static mcv_vec3 mcv_retroreflector_choose(__global const mcv_device_material *m,
     return mcv_normalize(mcv_from_frame(mcv_sample_cosine(xi, eta), n));
 }
 
-/* The direction is unit. Where the interpolated normal and the face disagree on its side nothing
- * comes. */
+/* The direction is unit. Where ns and ng disagree on its side nothing comes. */
 MCV_FUNCTION mcv_response mcv_respond_retroreflector(mcv_world world, mcv_interaction interaction,
                                                      uint material, uint media,
                                                      mcv_vec3 direction) {
     mcv_response response =
-        mcv_retroreflector_respond(world.materials + material, interaction.normal,
+        mcv_retroreflector_respond(world.materials + material, interaction.ns,
                                    mcv_scale(interaction.direction, -1.0f), direction);
-    if (!(mcv_dot(direction, interaction.face) > 0.0f)) {
+    if (!(mcv_dot(direction, interaction.ng) > 0.0f)) {
         response.f_cos = mcv_grey(0.0f);
         response.density = 0.0f;
     }
@@ -82,7 +81,7 @@ MCV_FUNCTION mcv_scattering mcv_scatter_retroreflector(mcv_world world, mcv_inte
                                                        float choice) {
     __global const mcv_device_material *from = world.materials + material;
     const mcv_vec3 o = mcv_scale(interaction.direction, -1.0f);
-    const mcv_retroreflection back = mcv_retroreflection_at(from, interaction.normal, o);
+    const mcv_retroreflection back = mcv_retroreflection_at(from, interaction.ns, o);
     const int returns = back.chance > 0.0f && choice >= 1.0f - back.chance;
     if (returns && from->as.retroreflector.spread == 0.0f) {
         mcv_scattering scattering = mcv_scatter_into(o, media, MCV_EVENT_REFLECT);
@@ -91,7 +90,7 @@ MCV_FUNCTION mcv_scattering mcv_scatter_retroreflector(mcv_world world, mcv_inte
         return scattering;
     }
     const mcv_vec3 direction =
-        mcv_retroreflector_choose(from, interaction.normal, o, pair.x, pair.y, returns);
+        mcv_retroreflector_choose(from, interaction.ns, o, pair.x, pair.y, returns);
     return mcv_scatter_by(
         direction, mcv_respond_retroreflector(world, interaction, material, media, direction));
 }

@@ -2,8 +2,8 @@
 /*
  * How a path continues from a surface.
  *
- * Interpolated normals bend light, the triangle's face decides on which side it continues: where
- * both disagree (at a silhouette) the face's normal is used.
+ * The shading normal ns bends light, the geometric normal ng decides on which side it continues:
+ * where both disagree (at a silhouette) ng is used for both.
  */
 #ifndef MCVISI_KERNELS_SCATTERING_H
 #define MCVISI_KERNELS_SCATTERING_H
@@ -68,9 +68,9 @@ MCV_LOOP_FUNCTION mcv_scattering mcv_choose_way(mcv_scattering reflected, mcv_sc
 }
 
 MCV_LOOP_FUNCTION mcv_vec3 mcv_reflected(mcv_interaction interaction) {
-    const mcv_vec3 d = mcv_reflect(interaction.direction, interaction.normal);
-    return mcv_choose(mcv_dot(d, interaction.face) > 0.0f, d,
-                      mcv_reflect(interaction.direction, interaction.face));
+    const mcv_vec3 d = mcv_reflect(interaction.direction, interaction.ns);
+    return mcv_choose(mcv_dot(d, interaction.ng) > 0.0f, d,
+                      mcv_reflect(interaction.direction, interaction.ng));
 }
 
 /* As a mirror does. */

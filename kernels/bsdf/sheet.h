@@ -33,7 +33,7 @@ static mcv_scattering mcv_scatter_sheet(mcv_world world, mcv_interaction interac
     mcv_scattering reflected = mcv_scatter_mirrored(interaction, media);
     mcv_scattering passed = mcv_scatter_into(interaction.direction, media, MCV_EVENT_PASS);
     const mcv_device_interface into = mcv_plate_interface(world, sheet.eta, sheet.delta, media);
-    const float c1 = -mcv_dot(interaction.direction, interaction.normal);
+    const float c1 = -mcv_dot(interaction.direction, interaction.ns);
     const float cosine = c1 < 1.0f ? c1 : 1.0f;
     reflected.chance = mcv_sheet_reflectance(into, cosine);
     passed.chance = 1.0f - reflected.chance;

@@ -33,7 +33,7 @@ MCV_FUNCTION void mcv_find_exact_contacts(mcv_world world, uint own, mcv_interac
         const float reach = mcv_exact_rounding(at, solid->bound) + e.x + e.y + e.z;
         const mcv_vec3 p = mcv_into_frame(solid, mcv_from_middle(solid, at));
         uint piece = MCV_PIECE_COUNT;
-        mcv_vec3 face = p;
+        mcv_vec3 ng = p;
         if (solid->group == group || solid->side == MCV_SIDE_OPEN) continue;
         for (uint k = solid->side == MCV_SIDE_SPHERE ? MCV_PIECE_SIDE : 0u; k < MCV_PIECE_COUNT;
              ++k) {
@@ -45,12 +45,12 @@ MCV_FUNCTION void mcv_find_exact_contacts(mcv_world world, uint own, mcv_interac
             }
             if (outside < -reach) continue;
             piece = k;
-            face = mcv_out_of_frame(solid, normal);
+            ng = mcv_out_of_frame(solid, normal);
         }
         if (piece == MCV_PIECE_COUNT) continue;
         const uint medium = world.instances[solid->instance[piece]].medium;
         if (medium == 0u || medium == own) continue;
-        if (mcv_dot(interaction->direction, face) > 0.0f)
+        if (mcv_dot(interaction->direction, ng) > 0.0f)
             interaction->exited |= 1u << (medium - 1u);
         else
             interaction->entered |= 1u << (medium - 1u);
@@ -58,7 +58,7 @@ MCV_FUNCTION void mcv_find_exact_contacts(mcv_world world, uint own, mcv_interac
         interaction->surface.error = mcv_larger(interaction->surface.error, mcv_vec(off, off, off));
         if (met < MCV_EXACT) {
             interaction->touched = mcv_exact_hit(i, piece);
-            interaction->touched_face = face;
+            interaction->touched_ng = ng;
         }
     }
 }
@@ -66,7 +66,7 @@ MCV_FUNCTION void mcv_find_exact_contacts(mcv_world world, uint own, mcv_interac
 /* How far behind a hit at t another surface may be met that is in the same place, as far as points
  * are in doubt by e. */
 MCV_LOOP_FUNCTION float mcv_contact_band(const mcv_interaction *interaction, mcv_vec3 e, float t) {
-    const mcv_vec3 f = interaction->face;
+    const mcv_vec3 f = interaction->ng;
     const float reach = mcv_abs(f.x) * e.x + mcv_abs(f.y) * e.y + mcv_abs(f.z) * e.z;
     return 2.0f * reach / -mcv_dot(interaction->direction, f) + 2.0f * MCV_GAMMA(16) * t;
 }
@@ -98,7 +98,7 @@ static void mcv_find_contacts(mcv_world world, mcv_vec3 origin, mcv_hit hit,
                               mcv_interaction *interaction) {
     interaction->exited = interaction->entered = 0u;
     interaction->touched = MCV_NONE;
-    interaction->touched_face = interaction->face;
+    interaction->touched_ng = interaction->ng;
     const uint own = world.instances[interaction->surface.instance].medium;
     if (MCV_WITH_SURFACES && own != 0u) mcv_find_exact_contacts(world, own, interaction);
     interaction->beyond_point = interaction->surface.point;
@@ -138,7 +138,7 @@ static void mcv_find_contacts(mcv_world world, mcv_vec3 origin, mcv_hit hit,
             if (medium == own) return;
             interaction->exited &= ~bit;
             interaction->entered &= ~bit;
-        } else if (mcv_dot(interaction->direction, next.face) > 0.0f) {
+        } else if (mcv_dot(interaction->direction, next.ng) > 0.0f) {
             interaction->exited |= bit;
         } else {
             interaction->entered |= bit;

@@ -9,14 +9,15 @@
 /* A surface seen from where the ray comes from. */
 typedef struct mcv_interaction {
     mcv_surface surface;
-    mcv_vec3 direction;    /* of the ray, unit */
-    mcv_vec3 face, normal; /* unit, on the ray's side: direction·face < 0, direction·normal < 0 */
-    uint inside;           /* 1: the ray comes from behind the front side */
+    mcv_vec3 direction; /* of the ray, unit */
+    mcv_vec3 ng, ns;    /* geometric and shading normal, unit, on the ray's side: both have
+                           cosines < 0 to the direction */
+    uint back_face;     /* 1: the ray comes from behind the front side */
 #if MCV_WITH_CONTACT
     uint exited, entered; /* media of other bodies whose surfaces are in the same place */
     mcv_vec3 beyond_point, beyond_error; /* of the last of these surfaces */
     uint touched; /* if this is a triangle: an exact one of them, or MCV_NONE */
-    mcv_vec3 touched_face;
+    mcv_vec3 touched_ng;
 #endif
 #if MCV_TILE && MCV_WITH_DIFFUSE
     int bounces; /* 1: worked out beforehand for many paths is where it goes on if the surface is
@@ -35,11 +36,11 @@ MCV_LOOP_FUNCTION mcv_interaction mcv_surface_interaction(mcv_surface surface, m
     mcv_interaction interaction;
     interaction.surface = surface;
     interaction.direction = direction;
-    interaction.inside = mcv_dot(direction, interaction.surface.face) > 0.0f;
-    interaction.face = mcv_scale(interaction.surface.face, interaction.inside ? -1.0f : 1.0f);
-    interaction.normal = mcv_scale(interaction.surface.normal, interaction.inside ? -1.0f : 1.0f);
-    interaction.normal = mcv_choose(mcv_dot(direction, interaction.normal) < 0.0f,
-                                    interaction.normal, interaction.face);
+    interaction.back_face = mcv_dot(direction, interaction.surface.ng) > 0.0f;
+    interaction.ng = mcv_scale(interaction.surface.ng, interaction.back_face ? -1.0f : 1.0f);
+    interaction.ns = mcv_scale(interaction.surface.ns, interaction.back_face ? -1.0f : 1.0f);
+    interaction.ns =
+        mcv_choose(mcv_dot(direction, interaction.ns) < 0.0f, interaction.ns, interaction.ng);
 #if MCV_TILE && MCV_WITH_DIFFUSE
     interaction.bounces = 0;
 #endif
@@ -61,11 +62,11 @@ MCV_LOOP_FUNCTION mcv_surface mcv_hit_surface(mcv_world world, mcv_vec3 origin, 
 MCV_LOOP_FUNCTION mcv_vec3 mcv_onward_origin(mcv_interaction interaction, mcv_vec3 direction) {
     mcv_vec3 point = interaction.surface.point, error = interaction.surface.error;
 #if MCV_WITH_CONTACT
-    const int passes = mcv_dot(direction, interaction.face) < 0.0f;
+    const int passes = mcv_dot(direction, interaction.ng) < 0.0f;
     point = mcv_choose(passes, interaction.beyond_point, point);
     error = mcv_choose(passes, interaction.beyond_error, error);
 #endif
-    return mcv_offset_origin(point, error, interaction.face, direction);
+    return mcv_offset_origin(point, error, interaction.ng, direction);
 }
 
 /* What a ray remembers of the exact surface that it starts on (mcv_mark_origin_surface), or
@@ -76,7 +77,7 @@ MCV_LOOP_FUNCTION uint mcv_origin_surface_of(mcv_world world, mcv_interaction in
 #if MCV_WITH_CONTACT
     const int touches = interaction.touched != MCV_NONE;
     surface.primitive = touches ? interaction.touched : surface.primitive;
-    surface.face = mcv_choose(touches, interaction.touched_face, surface.face);
+    surface.ng = mcv_choose(touches, interaction.touched_ng, surface.ng);
 #endif
     return mcv_mark_origin_surface(world, surface, direction);
 }

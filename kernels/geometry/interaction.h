@@ -38,10 +38,10 @@ MCV_LOOP_FUNCTION void mcv_put_surface(mcv_slot slot, mcv_surface surface) {
     MCV_STORE_3(slot, error, surface.error);
     MCV_STORE(slot, area, 0, surface.area);
     MCV_WORD(slot, instance, 0) = surface.instance;
-    if (MCV_WITH_NORMALS) MCV_STORE_3(slot, own_normal, surface.normal);
-    MCV_WORD(slot, inside, 0) = interaction.inside;
-    MCV_STORE_3(slot, face, interaction.face);
-    MCV_STORE_3(slot, normal, interaction.normal);
+    if (MCV_WITH_NORMALS) MCV_STORE_3(slot, front_ns, surface.ns);
+    MCV_WORD(slot, back_face, 0) = interaction.back_face;
+    MCV_STORE_3(slot, ng, interaction.ng);
+    MCV_STORE_3(slot, ns, interaction.ns);
     if (MCV_WITH_GLOSSY) MCV_WORD(slot, glossy_known, 0) = 0u;
 }
 
@@ -75,14 +75,14 @@ MCV_LOOP_FUNCTION mcv_interaction mcv_make_interaction(mcv_world world, mcv_slot
     mcv_interaction interaction;
     mcv_surface *surface = &interaction.surface;
     interaction.direction = MCV_LOAD_3(slot, direction);
-    interaction.inside = MCV_WORD(slot, inside, 0);
-    interaction.face = MCV_LOAD_3(slot, face);
-    interaction.normal = MCV_LOAD_3(slot, normal);
+    interaction.back_face = MCV_WORD(slot, back_face, 0);
+    interaction.ng = MCV_LOAD_3(slot, ng);
+    interaction.ns = MCV_LOAD_3(slot, ns);
     surface->point = MCV_LOAD_3(slot, point);
     surface->error = MCV_LOAD_3(slot, error);
-    surface->face = mcv_scale(interaction.face, interaction.inside ? -1.0f : 1.0f);
-    surface->normal = surface->face;
-    if (MCV_WITH_NORMALS) surface->normal = MCV_LOAD_3(slot, own_normal);
+    surface->ng = mcv_scale(interaction.ng, interaction.back_face ? -1.0f : 1.0f);
+    surface->ns = surface->ng;
+    if (MCV_WITH_NORMALS) surface->ns = MCV_LOAD_3(slot, front_ns);
     surface->area = MCV_LOAD(slot, area, 0);
     surface->primitive = hit.primitive;
     if (mcv_is_exact(hit.primitive))
@@ -107,7 +107,7 @@ MCV_LOOP_FUNCTION mcv_interaction mcv_make_interaction(mcv_world world, mcv_slot
     interaction.touched = MCV_WORD(slot, contact, 2);
     interaction.beyond_point = MCV_LOAD_3(slot, beyond_point);
     interaction.beyond_error = MCV_LOAD_3(slot, beyond_error);
-    interaction.touched_face = MCV_LOAD_3(slot, touched_face);
+    interaction.touched_ng = MCV_LOAD_3(slot, touched_ng);
 #endif
     return interaction;
 #else
@@ -123,7 +123,7 @@ MCV_LOOP_FUNCTION void mcv_put_no_contact(mcv_slot slot) {
     MCV_WORD(slot, contact, 2) = MCV_NONE;
     MCV_STORE_3(slot, beyond_point, MCV_LOAD_3(slot, point));
     MCV_STORE_3(slot, beyond_error, MCV_LOAD_3(slot, error));
-    MCV_STORE_3(slot, touched_face, MCV_LOAD_3(slot, face));
+    MCV_STORE_3(slot, touched_ng, MCV_LOAD_3(slot, ng));
 }
 
 /* Whether the surface that a path has met may have others in the same place. */
@@ -149,7 +149,7 @@ MCV_FUNCTION void mcv_find_contact(mcv_world world, mcv_slot slot) {
     MCV_WORD(slot, contact, 2) = interaction.touched;
     MCV_STORE_3(slot, beyond_point, interaction.beyond_point);
     MCV_STORE_3(slot, beyond_error, interaction.beyond_error);
-    MCV_STORE_3(slot, touched_face, interaction.touched_face);
+    MCV_STORE_3(slot, touched_ng, interaction.touched_ng);
 }
 #endif
 

@@ -63,16 +63,16 @@ static mcv_dvec mcv_turn_precisely(mcv_world world, const mcv_interaction *inter
         if (type == MCV_MATERIAL_RETROREFLECTOR) return mcv_scale_d(d, -1.0);
         /* Another law of its own: only floats know it. */
         if (MCV_IS_MATERIAL_OF(MCV_OWN_BSDFS, type)) return mcv_dvec_of(0.0, 0.0, 0.0);
-        turned = mcv_reflect_d(d, met->normal);
-        if (!(mcv_dot_d(turned, met->face) > 0.0)) turned = mcv_reflect_d(d, met->face);
+        turned = mcv_reflect_d(d, met->ns);
+        if (!(mcv_dot_d(turned, met->ng) > 0.0)) turned = mcv_reflect_d(d, met->ng);
     }
 #if MCV_WITH_DIELECTRIC
     if (on->event == MCV_EVENT_REFRACT) {
         const uint before = mcv_cross_surface(world, interaction, media).before;
         const double n1 = world.refractive_indices[mcv_filling_medium(before)];
         const double n2 = world.refractive_indices[mcv_filling_medium(on->media)];
-        turned = mcv_refract_d(n1, n2, d, met->normal);
-        if (!(mcv_dot_d(turned, met->face) < 0.0)) turned = mcv_refract_d(n1, n2, d, met->face);
+        turned = mcv_refract_d(n1, n2, d, met->ns);
+        if (!(mcv_dot_d(turned, met->ng) < 0.0)) turned = mcv_refract_d(n1, n2, d, met->ng);
     }
 #endif
     return turned;
@@ -88,8 +88,8 @@ static mcv_onward mcv_go_on_precisely(mcv_world world, const mcv_interaction *in
     onward.ray.origin = met->point;
     onward.ray.direction = mcv_turn_precisely(world, interaction, met, d, media, on);
     const mcv_vec3 rounded = mcv_narrow(onward.ray.direction);
-    const float side = mcv_dot(rounded, interaction->face),
-                side_of_floats = mcv_dot(on->direction, interaction->face);
+    const float side = mcv_dot(rounded, interaction->ng),
+                side_of_floats = mcv_dot(on->direction, interaction->ng);
     onward.precise = side * side_of_floats > 0.0f;
     if (onward.precise) on->direction = rounded;
     return onward;

@@ -9,8 +9,8 @@
 #if MCV_WITH_MIXED
 /* Where a ray meets a surface. */
 typedef struct mcv_precise_interaction {
-    mcv_dvec point, face, normal; /* [m]; unit, on the ray's side */
-    double distance;              /* from the ray's origin [m] */
+    mcv_dvec point, ng, ns; /* [m]; normals unit, on the ray's side */
+    double distance;        /* from the ray's origin [m] */
     int found;
 } mcv_precise_interaction;
 
@@ -34,8 +34,8 @@ mcv_intersect_triangle_precisely(mcv_world world, const mcv_surface *surface, mc
     met.distance = mcv_dot_d(mcv_sub_d(a, ray.origin), doubled) / mcv_dot_d(ray.direction, doubled);
     met.found = fabs(met.distance) < (double)INFINITY;
     met.point = mcv_along_d(ray.origin, met.distance, ray.direction);
-    met.face = mcv_normalize_d(doubled);
-    met.normal = met.face;
+    met.ng = mcv_normalize_d(doubled);
+    met.ns = met.ng;
 #if MCV_WITH_NORMALS
     const mcv_dvec from = mcv_sub_d(met.point, a);
     const double squared = mcv_dot_d(doubled, doubled);
@@ -45,7 +45,7 @@ mcv_intersect_triangle_precisely(mcv_world world, const mcv_surface *surface, mc
         mcv_scale_d(mcv_whole_vertex(world.normals, world.normal_lows, corners.x), 1.0 - u - v);
     n = mcv_along_d(n, u, mcv_whole_vertex(world.normals, world.normal_lows, corners.y));
     n = mcv_along_d(n, v, mcv_whole_vertex(world.normals, world.normal_lows, corners.z));
-    if (mcv_dot_d(n, n) > 0.0) met.normal = mcv_normalize_d(n);
+    if (mcv_dot_d(n, n) > 0.0) met.ns = mcv_normalize_d(n);
 #endif
     return met;
 }
@@ -129,7 +129,7 @@ MCV_FUNCTION mcv_precise_interaction mcv_intersect_solid_precisely(mcv_world wor
         met.distance -= outside / mcv_dot_d(gradient, d);
     }
     met.point = mcv_add_d(origin, mcv_out_of_frame_d(solid->axes, p));
-    met.normal = met.face = mcv_normalize_d(mcv_out_of_frame_d(solid->axes, gradient));
+    met.ns = met.ng = mcv_normalize_d(mcv_out_of_frame_d(solid->axes, gradient));
     return met;
 }
 
@@ -143,12 +143,12 @@ static mcv_precise_interaction mcv_intersect_precisely(mcv_world world,
                                             (double)t - mcv_dot_d(mcv_widen(low), ray.direction));
     else
         met = mcv_intersect_triangle_precisely(world, &interaction->surface, ray);
-    const uint inside = mcv_dot_d(ray.direction, met.face) > 0.0;
-    const double sign = inside ? -1.0 : 1.0;
-    met.found = met.found && inside == interaction->inside;
-    met.face = mcv_scale_d(met.face, sign);
-    met.normal = mcv_scale_d(met.normal, sign);
-    if (!(mcv_dot_d(ray.direction, met.normal) < 0.0)) met.normal = met.face;
+    const uint back_face = mcv_dot_d(ray.direction, met.ng) > 0.0;
+    const double sign = back_face ? -1.0 : 1.0;
+    met.found = met.found && back_face == interaction->back_face;
+    met.ng = mcv_scale_d(met.ng, sign);
+    met.ns = mcv_scale_d(met.ns, sign);
+    if (!(mcv_dot_d(ray.direction, met.ns) < 0.0)) met.ns = met.ng;
     return met;
 }
 #endif

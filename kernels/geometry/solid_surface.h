@@ -70,7 +70,7 @@ MCV_LOOP_FUNCTION mcv_surface mcv_exact_surface_on(mcv_world world, uint met, fl
     surface.point = mcv_add(mcv_vec(solid->origin[0], solid->origin[1], solid->origin[2]),
                             mcv_out_of_frame(solid, p));
     surface.error = mcv_vec(0.0f, 0.0f, 0.0f); /* a ray knows the surface that it starts on */
-    surface.face = surface.normal = mcv_renormalize(mcv_out_of_frame(solid, normal));
+    surface.ng = surface.ns = mcv_renormalize(mcv_out_of_frame(solid, normal));
     surface.area = 0.0f;
     surface.primitive = met;
     surface.instance = solid->instance[piece];
@@ -90,7 +90,7 @@ MCV_FUNCTION mcv_surface mcv_exact_surface_at(mcv_world world, uint met, float u
 MCV_LOOP_FUNCTION uint mcv_mark_origin_surface(mcv_world world, mcv_surface surface,
                                                mcv_vec3 direction) {
     if (!mcv_is_exact(surface.primitive)) return MCV_NONE;
-    const uint outwards = mcv_dot(direction, surface.face) > 0.0f;
+    const uint outwards = mcv_dot(direction, surface.ng) > 0.0f;
     return mcv_exact_surface(world, surface.primitive) << 1 |
            (mcv_piece_of(surface.primitive) == MCV_PIECE_FIRST_CAP ? 1u - outwards : outwards);
 }

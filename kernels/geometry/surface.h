@@ -15,8 +15,8 @@ typedef struct mcv_corners {
 
 typedef struct mcv_surface {
     mcv_vec3 point, error; /* [m]; |error of a coordinate| */
-    mcv_vec3 face;         /* unit normal of the triangle, on the front side */
-    mcv_vec3 normal;       /* interpolated, unit, on the front side */
+    mcv_vec3 ng;           /* geometric normal: of the triangle, unit, on the front side */
+    mcv_vec3 ns;           /* shading normal: interpolated, unit, on the front side */
     float area;            /* of the triangle [m²] */
     uint primitive, instance;
     float u, v; /* place on the triangle; of an exact surface u is for mcv_touching_solid */
@@ -57,7 +57,7 @@ MCV_FUNCTION mcv_vec3 mcv_interpolate(mcv_vec3 a, mcv_vec3 b, mcv_vec3 c, float 
 /* What all places on a triangle share. */
 typedef struct mcv_facet {
     mcv_vec3 a, b, c; /* its corners [m] */
-    mcv_vec3 face;
+    mcv_vec3 ng;
     float area;
 #if MCV_WITH_NORMALS
     mcv_vec3 normal_a, normal_b, normal_c; /* there */
@@ -75,7 +75,7 @@ MCV_LOOP_FUNCTION mcv_facet mcv_facet_of(mcv_world world, uint triangle) {
     facet.b = mcv_vertex_vector(world.positions, corners.y);
     facet.c = mcv_vertex_vector(world.positions, corners.z);
     const mcv_vec3 doubled = mcv_cross(mcv_sub(facet.b, facet.a), mcv_sub(facet.c, facet.a));
-    facet.face = mcv_normalize(doubled);
+    facet.ng = mcv_normalize(doubled);
     facet.area = 0.5f * mcv_sqrt(mcv_dot(doubled, doubled));
 #if MCV_WITH_NORMALS
     facet.normal_a = mcv_vertex_vector(world.normals, corners.x);
@@ -94,14 +94,14 @@ MCV_LOOP_FUNCTION mcv_surface mcv_surface_on(mcv_facet facet, float u, float v) 
     surface.u = u;
     surface.v = v;
     surface.point = mcv_hit_point(facet.a, facet.b, facet.c, u, v, &surface.error);
-    surface.face = facet.face;
+    surface.ng = facet.ng;
     surface.area = facet.area;
-    surface.normal = surface.face;
+    surface.ns = surface.ng;
 #if MCV_WITH_NORMALS
     const mcv_vec3 n =
         mcv_normalize(mcv_interpolate(facet.normal_a, facet.normal_b, facet.normal_c, u, v));
-    /* Opposite vertex normals may cancel, and those of a flat mesh are 0: the face's then. */
-    surface.normal = mcv_choose(mcv_dot(n, n) > 0.5f, n, surface.face);
+    /* Opposite vertex normals may cancel, and those of a flat mesh are 0: ng then. */
+    surface.ns = mcv_choose(mcv_dot(n, n) > 0.5f, n, surface.ng);
 #endif
     return surface;
 }
@@ -112,12 +112,12 @@ MCV_LOOP_FUNCTION mcv_surface mcv_surface_at(mcv_world world, uint triangle, flo
     MCV_CONSTANT const mcv_rigid_motion *motion = &world.frame->part_motion;
     const int moves = world.instances[surface.instance].moves != 0u;
     const mcv_vec3 point = mcv_moved_point(motion, world.pose, surface.point),
-                   face = mcv_moved_direction(motion, world.pose, surface.face),
-                   normal = mcv_moved_direction(motion, world.pose, surface.normal);
+                   ng = mcv_moved_direction(motion, world.pose, surface.ng),
+                   ns = mcv_moved_direction(motion, world.pose, surface.ns);
     const float error = moves ? mcv_moving_error(motion, world.pose, point) : 0.0f;
     surface.point = mcv_choose(moves, point, surface.point);
-    surface.face = mcv_choose(moves, face, surface.face);
-    surface.normal = mcv_choose(moves, normal, surface.normal);
+    surface.ng = mcv_choose(moves, ng, surface.ng);
+    surface.ns = mcv_choose(moves, ns, surface.ns);
     surface.error = mcv_add(surface.error, mcv_vec(error, error, error));
 #endif
     return surface;
@@ -181,9 +181,8 @@ MCV_LOOP_FUNCTION mcv_vec3 mcv_tangent(mcv_world world, mcv_surface surface, con
     tangent = mcv_along(tangent, surface.u, mcv_vec(b[0], b[1], b[2]));
     tangent = mcv_along(tangent, surface.v, mcv_vec(c[0], c[1], c[2]));
     const float hand = a[3];
-    const mcv_vec3 x =
-        mcv_normalize(mcv_along(tangent, -mcv_dot(tangent, surface.normal), surface.normal));
-    return mcv_along(mcv_scale(x, angle[0]), hand * angle[1], mcv_cross(surface.normal, x));
+    const mcv_vec3 x = mcv_normalize(mcv_along(tangent, -mcv_dot(tangent, surface.ns), surface.ns));
+    return mcv_along(mcv_scale(x, angle[0]), hand * angle[1], mcv_cross(surface.ns, x));
 }
 
 /* Reflectance or transmittance, texture included. */

@@ -160,7 +160,7 @@ MCV_LOOP_FUNCTION mcv_light_sample mcv_sample_direction(mcv_world world, mcv_rec
     MCV_DIRECTION_SAMPLERS(MCV_X)
 #undef MCV_X
     (void)world, (void)e, (void)type, (void)pair;
-    return mcv_light_sample_along(at, at.face, MCV_NONE, 0.0f);
+    return mcv_light_sample_along(at, at.ng, MCV_NONE, 0.0f);
 }
 #endif
 

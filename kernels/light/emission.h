@@ -77,19 +77,19 @@ MCV_LOOP_FUNCTION mcv_color mcv_full_radiance(mcv_world world, mcv_surface surfa
 
 /* The radiance in a direction (unit, away from the surface) over the full radiance, of an emitter
  * without an image of directions. */
-MCV_LOOP_FUNCTION float mcv_angular_profile(__global const mcv_device_emitter *e, mcv_vec3 face,
-                                            mcv_vec3 normal, mcv_vec3 direction) {
+MCV_LOOP_FUNCTION float mcv_angular_profile(__global const mcv_device_emitter *e, mcv_vec3 ng,
+                                            mcv_vec3 ns, mcv_vec3 direction) {
     float profile = 0.0f;
-    (void)e, (void)normal;
+    (void)e, (void)ns;
 #if MCV_WITH_PARALLEL
-    const float parallel = mcv_parallel_evaluate(&e->parallel, direction, normal);
+    const float parallel = mcv_parallel_evaluate(&e->parallel, direction, ns);
     profile = e->type == MCV_EMITTER_PARALLEL ? parallel : profile;
 #endif
 #if MCV_WITH_AREA
-    const float area = mcv_surface_light_profile(&e->surface_light, mcv_dot(direction, normal));
+    const float area = mcv_surface_light_profile(&e->surface_light, mcv_dot(direction, ns));
     profile = e->type == MCV_EMITTER_AREA ? area : profile;
 #endif
-    return mcv_dot(direction, face) > 0.0f ? profile : 0.0f;
+    return mcv_dot(direction, ng) > 0.0f ? profile : 0.0f;
 }
 
 /* Radiance that an emitter's surface sends in a direction (unit, away from the surface), in its
@@ -102,14 +102,14 @@ MCV_LOOP_FUNCTION mcv_color mcv_emitted_by(mcv_world world, mcv_surface surface,
     if (by_pixel) {
         mcv_pixel pixel;
         const int lit = mcv_find_pixel(world, surface, e, direction, &pixel) &
-                        (mcv_dot(direction, surface.face) > 0.0f);
+                        (mcv_dot(direction, surface.ng) > 0.0f);
         mcv_color radiance = mcv_pixel_radiance(world, e, pixel);
         MCV_EACH_CHANNEL(i) radiance.c[i] = lit ? radiance.c[i] : 0.0f;
         return radiance;
     }
 #endif
     return mcv_dim(mcv_full_radiance(world, surface, emitter),
-                   mcv_angular_profile(e, surface.face, surface.normal, direction));
+                   mcv_angular_profile(e, surface.ng, surface.ns, direction));
 }
 
 MCV_LOOP_FUNCTION mcv_color mcv_emitted(mcv_world world, mcv_surface surface, uint emitter,
@@ -146,7 +146,7 @@ MCV_LOOP_FUNCTION float mcv_triangle_pmf(mcv_world world, __global const mcv_dev
 MCV_LOOP_FUNCTION float mcv_area_density(__global const mcv_device_emitter *e, float pmf,
                                          mcv_surface surface, mcv_vec3 direction, float distance) {
     return e->probability * pmf * distance * distance /
-           (surface.area * mcv_abs(mcv_dot(direction, surface.face)));
+           (surface.area * mcv_abs(mcv_dot(direction, surface.ng)));
 }
 
 #if MCV_WITH_RECTANGLE

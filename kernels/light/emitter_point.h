@@ -89,7 +89,7 @@ MCV_LOOP_FUNCTION mcv_facet mcv_choose_facet(int first, const mcv_facets *of) {
     facet.a = mcv_choose(first, of->first.a, of->second.a);
     facet.b = mcv_choose(first, of->first.b, of->second.b);
     facet.c = mcv_choose(first, of->first.c, of->second.c);
-    facet.face = mcv_choose(first, of->first.face, of->second.face);
+    facet.ng = mcv_choose(first, of->first.ng, of->second.ng);
     facet.area = first ? of->first.area : of->second.area;
 #if MCV_WITH_NORMALS
     facet.normal_a = mcv_choose(first, of->first.normal_a, of->second.normal_a);
@@ -149,9 +149,9 @@ MCV_LOOP_FUNCTION mcv_light_sample mcv_sample_point(mcv_receiver at,
     mcv_light_sample sample = mcv_light_sample_along(
         at, towards, MCV_NONE, point.density > 0.0f ? point.density : by_area);
     sample.direction =
-        mcv_sub(mcv_offset_origin(there->point, error, there->face, back), sample.origin);
+        mcv_sub(mcv_offset_origin(there->point, error, there->ng, back), sample.origin);
     /* Only a face seen exactly edge-on has no finite density. */
-    const float profile = mcv_angular_profile(e, there->face, there->normal, back);
+    const float profile = mcv_angular_profile(e, there->ng, there->ns, back);
     const int lit = (sample.pdf > 0.0f) & (sample.pdf < INFINITY) & (profile > 0.0f);
     sample.radiance_over_pdf = mcv_radiance_over_pdf(e, lit, profile / sample.pdf, 1.0f);
     return sample;

@@ -86,7 +86,7 @@ MCV_LOOP_FUNCTION void mcv_leave_point(mcv_world world, mcv_surface surface, mcv
                                        mcv_light_path *path) {
     __global const mcv_device_emitter *e = world.emitters + path->emitter;
     mcv_color radiance = mcv_full_radiance(world, surface, path->emitter);
-    const float profile = mcv_angular_profile(e, surface.face, surface.normal, direction);
+    const float profile = mcv_angular_profile(e, surface.ng, surface.ns, direction);
     float sent = (in_emission_cone & (e->type == MCV_EMITTER_PARALLEL)) ? 1.0f : profile;
 #if MCV_WITH_TEXTURE
     if (MCV_SENDS_BY_PIXEL(e)) {
@@ -96,14 +96,14 @@ MCV_LOOP_FUNCTION void mcv_leave_point(mcv_world world, mcv_surface surface, mcv
 #endif
     path->direction = direction;
     path->emitter_element = mcv_emitter_element_of(world, path->emitter, surface, direction);
-    path->etendue = mcv_etendue_of(e, aimed, surface.face, direction);
+    path->etendue = mcv_etendue_of(e, aimed, surface.ng, direction);
     factor *= sent;
     const int sends = (path->etendue > 0.0f) & (factor > 0.0f);
     MCV_EACH_CHANNEL(i) {
         const float flux = radiance.c[i] * (factor * path->etendue);
         path->flux.c[i] = sends ? flux : 0.0f;
     }
-    path->origin = mcv_offset_origin(surface.point, surface.error, surface.face, direction);
+    path->origin = mcv_offset_origin(surface.point, surface.error, surface.ng, direction);
     path->light_flags |= path->etendue > 0.0f ? (uint)MCV_LIGHT_FLAG_FOUND : 0u;
 }
 #endif
@@ -131,7 +131,7 @@ MCV_FUNCTION void mcv_leave_along_beam(mcv_world world, mcv_surface surface, mcv
         path->flux = mcv_tint(path->flux, mcv_texture_at(world, surface, e->texture));
     path->emitter_element = mcv_emitter_element_of(world, path->emitter, surface, path->direction);
 #endif
-    path->origin = mcv_offset_origin(surface.point, surface.error, surface.face, path->direction);
+    path->origin = mcv_offset_origin(surface.point, surface.error, surface.ng, path->direction);
 }
 #endif
 
@@ -151,7 +151,7 @@ MCV_FUNCTION void mcv_leave_surface(mcv_world world, mcv_pair place, mcv_pair tu
     }
 #endif
 #if MCV_WITH_EMISSION
-    mcv_cone cone = mcv_emission_cone(e, surface.normal);
+    mcv_cone cone = mcv_emission_cone(e, surface.ns);
     mcv_aiming aimed = {0.0f, 0u};
     mcv_vec3 direction;
     float factor = 1.0f;

@@ -28,12 +28,12 @@ MCV_LOOP_FUNCTION mcv_cone mcv_emission_cone(__global const mcv_device_emitter *
 }
 
 /* One over the density, in étendue, with which light paths start in a direction [m² sr]; 0: none
- * do. `face`: of the emitter. */
+ * do. `ng`: of the emitter. */
 MCV_LOOP_FUNCTION float mcv_etendue_of(__global const mcv_device_emitter *e, mcv_aiming aimed,
-                                       mcv_vec3 face, mcv_vec3 direction) {
+                                       mcv_vec3 ng, mcv_vec3 direction) {
     if (e->type == MCV_EMITTER_PROJECTOR) return e->light_inverse_pdf;
     return aimed.within > 0u
-               ? e->light_inverse_pdf * aimed.angle / (float)aimed.within * mcv_dot(direction, face)
+               ? e->light_inverse_pdf * aimed.angle / (float)aimed.within * mcv_dot(direction, ng)
                : 0.0f;
 }
 
@@ -43,8 +43,8 @@ MCV_FUNCTION float mcv_light_etendue(mcv_world world, mcv_surface surface, uint 
     __global const mcv_device_emitter *e = world.emitters + emitter;
     if (e->type == MCV_EMITTER_PROJECTOR) return e->light_inverse_pdf;
     const mcv_aiming aimed = mcv_aim_at(world.frame->balls, world.frame->ball_count, surface.point,
-                                        mcv_emission_cone(e, surface.normal), direction);
-    return mcv_etendue_of(e, aimed, surface.face, direction);
+                                        mcv_emission_cone(e, surface.ns), direction);
+    return mcv_etendue_of(e, aimed, surface.ng, direction);
 }
 #endif
 

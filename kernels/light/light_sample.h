@@ -9,7 +9,7 @@
 
 /* The point that samples an emitter. */
 typedef struct mcv_receiver {
-    mcv_vec3 point, error, face;
+    mcv_vec3 point, error, ng;
 } mcv_receiver;
 
 /*
@@ -32,7 +32,7 @@ typedef struct mcv_light_sample {
 MCV_LOOP_FUNCTION mcv_light_sample mcv_light_sample_along(mcv_receiver at, mcv_vec3 direction,
                                                           uint target, float pdf) {
     mcv_light_sample sample;
-    sample.origin = mcv_offset_origin(at.point, at.error, at.face, direction);
+    sample.origin = mcv_offset_origin(at.point, at.error, at.ng, direction);
     sample.direction = direction;
     sample.target = target;
     sample.radiance_over_pdf = mcv_grey(0.0f);

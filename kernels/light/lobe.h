@@ -59,14 +59,13 @@ MCV_LOOP_FUNCTION mcv_vec3 mcv_way_of_light(__global const mcv_device_emitter *e
  * emitter without a place comes the mean over the hemisphere.
  */
 MCV_LOOP_FUNCTION float mcv_lobe_towards(__global const mcv_device_emitter *e, mcv_vec3 receiver,
-                                         mcv_vec3 direction, mcv_vec3 normal,
-                                         mcv_receiver_lobe lobe) {
+                                         mcv_vec3 direction, mcv_vec3 ns, mcv_receiver_lobe lobe) {
     float spread;
     const mcv_vec3 way = mcv_way_of_light(e, receiver, &spread);
-    const float upright = mcv_dot(way, normal), cosine = mcv_abs(upright);
-    const mcv_vec3 above = mcv_along(way, cosine - upright, normal);
+    const float upright = mcv_dot(way, ns), cosine = mcv_abs(upright);
+    const mcv_vec3 above = mcv_along(way, cosine - upright, ns);
     const mcv_vec3 h = mcv_sub(above, direction);
-    const float x = mcv_dot(h, lobe.along), z = mcv_dot(h, normal), all = mcv_dot(h, h);
+    const float x = mcv_dot(h, lobe.along), z = mcv_dot(h, ns), all = mcv_dot(h, h);
     const float rest = all - x * x - z * z, y_squared = rest > 0.0f ? rest : 0.0f;
     const float a = mcv_fma(0.25f, spread, lobe.along_squared),
                 b = mcv_fma(0.25f, spread, lobe.across_squared);

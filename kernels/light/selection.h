@@ -26,13 +26,13 @@ MCV_LOOP_FUNCTION float mcv_stretch(__global const mcv_device_emitter *e, mcv_ve
 
 /* `sides` of the receiver that scatter light: one, which all of the normals show, or both. */
 MCV_LOOP_FUNCTION int mcv_emitter_reaches(__global const mcv_device_emitter *e, mcv_vec3 receiver,
-                                          mcv_vec3 face, mcv_vec3 normal, uint sides) {
+                                          mcv_vec3 ng, mcv_vec3 ns, uint sides) {
     const mcv_vec3 way = mcv_sub(mcv_vec(e->middle[0], e->middle[1], e->middle[2]), receiver);
     const mcv_vec3 axis = mcv_vec(e->facing[0], e->facing[1], e->facing[2]);
     const int behind_it = -mcv_dot(axis, way) < 0.0f;
-    const int behind_face = mcv_dot(face, way) < -mcv_stretch(e, face),
-              behind_normal = mcv_dot(normal, way) < -mcv_stretch(e, normal);
-    int behind = (sides == 1u) & behind_face & behind_normal;
+    const int behind_ng = mcv_dot(ng, way) < -mcv_stretch(e, ng),
+              behind_ns = mcv_dot(ns, way) < -mcv_stretch(e, ns);
+    int behind = (sides == 1u) & behind_ng & behind_ns;
     int lit = 1;
 #if MCV_WITH_PARALLEL
     const float ahead =
@@ -81,14 +81,13 @@ MCV_LOOP_FUNCTION mcv_reaching mcv_nothing_reaches(void) {
  * does not reach it. `sides` as in mcv_emitter_reaches. glossy, known to the compiler: 0 if all
  * lobes are mcv_even_lobe(). */
 MCV_LOOP_FUNCTION float mcv_add_reaching(__global const mcv_device_emitter *e, mcv_vec3 receiver,
-                                         mcv_vec3 face, mcv_vec3 normal, uint sides,
-                                         mcv_vec3 direction, mcv_receiver_lobe lobe, int glossy,
-                                         mcv_reaching *all) {
-    const int reaches = mcv_emitter_reaches(e, receiver, face, normal, sides);
+                                         mcv_vec3 ng, mcv_vec3 ns, uint sides, mcv_vec3 direction,
+                                         mcv_receiver_lobe lobe, int glossy, mcv_reaching *all) {
+    const int reaches = mcv_emitter_reaches(e, receiver, ng, ns, sides);
     const float importance = mcv_emitter_importance(e, receiver);
     float received = 1.0f;
 #if MCV_WITH_GLOSSY
-    if (glossy) received = mcv_lobe_towards(e, receiver, direction, normal, lobe);
+    if (glossy) received = mcv_lobe_towards(e, receiver, direction, ns, lobe);
 #endif
     const float weight = importance * received;
     all->sum += reaches ? importance : 0.0f;
@@ -151,17 +150,16 @@ MCV_LOOP_FUNCTION mcv_emitter_choice mcv_ask_emitter(mcv_emitter_choice so_far, 
 
 /* The emitter at xi of all that reach the receiver, MCV_NONE where nothing does. *chance: of that
  * choice. */
-MCV_FUNCTION uint mcv_select_emitter(mcv_world world, mcv_vec3 receiver, mcv_vec3 face,
-                                     mcv_vec3 normal, uint sides, mcv_vec3 direction,
-                                     mcv_receiver_lobe lobe, float xi,
-                                     mcv_light_selection *selection, float *chance) {
+MCV_FUNCTION uint mcv_select_emitter(mcv_world world, mcv_vec3 receiver, mcv_vec3 ng, mcv_vec3 ns,
+                                     uint sides, mcv_vec3 direction, mcv_receiver_lobe lobe,
+                                     float xi, mcv_light_selection *selection, float *chance) {
     float weights[MCV_MOST_REACHING];
     mcv_reaching all = mcv_nothing_reaches();
     mcv_emitter_choice choice = {MCV_NONE, 0.0f, 0.0f};
     const uint count = min(world.frame->emitter_count, (uint)MCV_MOST_REACHING);
     for (uint i = 0; i < count; ++i)
-        weights[i] = mcv_add_reaching(world.emitters + i, receiver, face, normal, sides, direction,
-                                      lobe, MCV_WITH_GLOSSY, &all);
+        weights[i] = mcv_add_reaching(world.emitters + i, receiver, ng, ns, sides, direction, lobe,
+                                      MCV_WITH_GLOSSY, &all);
     *selection = mcv_make_light_selection(all, MCV_WITH_GLOSSY);
     for (uint i = 0; i < count; ++i)
         choice = mcv_ask_emitter(choice, i, weights[i], selection->received_scale,

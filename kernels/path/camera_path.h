@@ -71,14 +71,14 @@
     X(error, 3 * MCV_TILE) \
     X(area, MCV_TILE) \
     X(instance, MCV_TILE) \
-    X(own_normal, 3 * MCV_TILE * MCV_WITH_NORMALS) /* interpolated; the face's without normals */ \
-    X(inside, MCV_TILE) /* and how the ray sees it, as in mcv_interaction */ \
-    X(face, 3 * MCV_TILE) \
-    X(normal, 3 * MCV_TILE) \
+    X(front_ns, 3 * MCV_TILE * MCV_WITH_NORMALS) /* its ns; without normals that is ng */ \
+    X(back_face, MCV_TILE) /* and how the ray sees it, as in mcv_interaction */ \
+    X(ng, 3 * MCV_TILE) \
+    X(ns, 3 * MCV_TILE) \
     X(contact, 3 * MCV_TILE * MCV_WITH_CONTACT) /* mcv_interaction: exited, entered, touched */ \
     X(beyond_point, 3 * MCV_TILE * MCV_WITH_CONTACT) \
     X(beyond_error, 3 * MCV_TILE * MCV_WITH_CONTACT) \
-    X(touched_face, 3 * MCV_TILE * MCV_WITH_CONTACT) \
+    X(touched_ng, 3 * MCV_TILE * MCV_WITH_CONTACT) \
     X(glossy_known, MCV_TILE *MCV_WITH_GLOSSY)
 
 #define MCV_CAMERA_HIT_FIELDS(X) \

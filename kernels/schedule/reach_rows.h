@@ -58,8 +58,8 @@ MCV_LOOP_FUNCTION void mcv_select_block(mcv_world world, mcv_slot slot, uint fir
             slot.index = i;
             mcv_reaching all = {sums[0][j], sums[1][j], sums[2][j], sums[3][j]};
             of_emitter[j] =
-                mcv_add_reaching(e, MCV_LOAD_3(slot, point), MCV_LOAD_3(slot, face),
-                                 MCV_LOAD_3(slot, normal), sides[i], MCV_LOAD_3(slot, direction),
+                mcv_add_reaching(e, MCV_LOAD_3(slot, point), MCV_LOAD_3(slot, ng),
+                                 MCV_LOAD_3(slot, ns), sides[i], MCV_LOAD_3(slot, direction),
                                  glossy ? mcv_lobe_in(lobes, j) : mcv_even_lobe(), glossy, &all);
             sums[0][j] = all.sum;
             sums[1][j] = all.count;

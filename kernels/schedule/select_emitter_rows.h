@@ -72,7 +72,7 @@ MCV_BATCH void mcv_select_rows(mcv_world world, mcv_slot slot, uint first, uint 
     MCV_VECTORIZE
     for (uint i = first; i < last; ++i) {
         slot.index = i;
-        mcv_put_walk(slot, mcv_walking_normal(MCV_LOAD_3(slot, normal), sides[i]), 0.0f);
+        mcv_put_walk(slot, mcv_walking_normal(MCV_LOAD_3(slot, ns), sides[i]), 0.0f);
         MCV_STORE_COLOR(slot, shadow_light, mcv_grey(0.0f));
     }
     for (uint level = 0; level < world.frame->light_tree_depth; ++level) {

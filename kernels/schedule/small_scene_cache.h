@@ -32,7 +32,7 @@ MCV_LOOP_FUNCTION mcv_facet mcv_facet_in(const uint *words, uint row, uint i) {
     facet.a = mcv_vec(f[0], f[1], f[2]);
     facet.b = mcv_vec(f[3], f[4], f[5]);
     facet.c = mcv_vec(f[6], f[7], f[8]);
-    facet.face = mcv_vec(f[9], f[10], f[11]);
+    facet.ng = mcv_vec(f[9], f[10], f[11]);
     facet.area = f[12];
     facet.corners.x = facet.corners.y = facet.corners.z = 0u;
     facet.corners.w = as_uint(f[13]);
@@ -45,8 +45,8 @@ MCV_BATCH void mcv_fill_facets(mcv_world world, mcv_facet_table *table) {
     for (uint i = 0; i < MCV_CACHED; ++i) {
         const mcv_facet facet = mcv_facet_of(world, i < count ? i : 0u);
         const float f[MCV_FACET_WORDS - 1] = {
-            facet.a.x, facet.a.y, facet.a.z,    facet.b.x,    facet.b.y,    facet.b.z, facet.c.x,
-            facet.c.y, facet.c.z, facet.face.x, facet.face.y, facet.face.z, facet.area};
+            facet.a.x, facet.a.y, facet.a.z,  facet.b.x,  facet.b.y,  facet.b.z, facet.c.x,
+            facet.c.y, facet.c.z, facet.ng.x, facet.ng.y, facet.ng.z, facet.area};
 #pragma unroll
         for (uint k = 0; k < MCV_FACET_WORDS - 1; ++k) table->words[k][i] = as_uint(f[k]);
         table->words[MCV_FACET_WORDS - 1][i] = facet.corners.w;

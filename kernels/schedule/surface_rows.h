@@ -213,7 +213,7 @@ MCV_BATCH void mcv_sample_diffuse_directions(uint *paths, uint first, uint last)
         const float xi = MCV_LOAD(slot, drawn, 2 * MCV_PAIR_SCATTER);
         const float eta = MCV_LOAD(slot, drawn, 2 * MCV_PAIR_SCATTER + 1);
         float density;
-        const mcv_vec3 bounce = mcv_diffuse_sample(MCV_LOAD_3(slot, normal), xi, eta, &density);
+        const mcv_vec3 bounce = mcv_diffuse_sample(MCV_LOAD_3(slot, ns), xi, eta, &density);
         MCV_STORE_3(slot, bounce, bounce);
         MCV_STORE(slot, bounce, 3, density);
     }

@@ -97,8 +97,7 @@ MCV_LOOP_FUNCTION uint mcv_shade_lamp_hits(mcv_world world, uint *apart, uint co
             facet = mcv_facet_of(world, triangle);
         const mcv_surface there =
             mcv_surface_on(facet, MCV_LOAD(slot, hit, 1), MCV_LOAD(slot, hit, 2));
-        const float sent =
-            mcv_angular_profile(e, there.face, there.normal, mcv_scale(direction, -1.0f));
+        const float sent = mcv_angular_profile(e, there.ng, there.ns, mcv_scale(direction, -1.0f));
         mcv_emitter_hit met;
         met.emitter = emitter;
         met.emitter_element = mcv_first_emitter_element(world, emitter);

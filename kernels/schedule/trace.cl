@@ -113,7 +113,7 @@ static void mcv_pass_surface(mcv_world world, mcv_hit hit, mcv_traced *at) {
     at->radiance = mcv_traced_radiance(world, interaction, media);
     at->on = mcv_scatter_through(world, interaction, media, &unmatched);
     at->point = interaction.surface.point;
-    at->normal = interaction.normal;
+    at->normal = interaction.ns;
     at->point_low = at->normal_low = at->direction_low = nothing;
     at->distance_low = 0.0f;
 #if MCV_WITH_MIXED
@@ -123,7 +123,7 @@ static void mcv_pass_surface(mcv_world world, mcv_hit hit, mcv_traced *at) {
         mcv_go_on_precisely(world, &interaction, &met, ray.direction, media, &at->on);
     if (met.found) {
         at->point_low = mcv_low_of(met.point, at->point);
-        at->normal_low = mcv_low_of(met.normal, at->normal);
+        at->normal_low = mcv_low_of(met.ns, at->normal);
         at->distance_low = (float)(met.distance - (double)hit.t);
     }
     at->direction_low = mcv_onward_low(&onward, onward.ray.direction, at->on.direction);

@@ -23,10 +23,10 @@
  */
 MCV_LOOP_FUNCTION float mcv_flux_correction(mcv_interaction interaction, mcv_vec3 out) {
 #if MCV_WITH_NORMALS
-    const float in_face = mcv_dot(interaction.direction, interaction.face);
-    const float out_normal = mcv_dot(out, interaction.normal);
-    const float factor = mcv_dot(interaction.direction, interaction.normal) *
-                         mcv_dot(out, interaction.face) / (in_face * out_normal);
+    const float in_face = mcv_dot(interaction.direction, interaction.ng);
+    const float out_normal = mcv_dot(out, interaction.ns);
+    const float factor = mcv_dot(interaction.direction, interaction.ns) *
+                         mcv_dot(out, interaction.ng) / (in_face * out_normal);
     return factor > 0.0f && factor < INFINITY ? factor : 0.0f;
 #else
     (void)interaction, (void)out;
@@ -93,7 +93,7 @@ MCV_FUNCTION int mcv_connect_light_path(mcv_world world, mcv_interaction interac
     contribution =
         mcv_tint(contribution, mcv_medium_transmittance(world, response.media, point.z * d));
     connection->origin = mcv_offset_origin(interaction.surface.point, interaction.surface.error,
-                                           interaction.face, out);
+                                           interaction.ng, out);
     connection->end = seen.origin;
     connection->origin_surface = mcv_origin_surface_of(world, interaction, out);
     connection->media = response.media;
@@ -122,7 +122,7 @@ MCV_FUNCTION mcv_color mcv_connection_transmittance(mcv_world world, mcv_connect
         transmittance = mcv_dim(mcv_tint(transmittance, on.factor), on.chance);
         if (!(mcv_brightest(transmittance) > 0.0f)) return transmittance;
         connection.origin = mcv_offset_origin(interaction.surface.point, interaction.surface.error,
-                                              interaction.face, way);
+                                              interaction.ng, way);
         connection.origin_surface = mcv_mark_origin_surface(world, interaction.surface, way);
     }
 #else

@@ -46,7 +46,8 @@ static mcv_arrival mcv_follow(mcv_world world, mcv_film_sample film, float p_x, 
         const uint emitter = world.instances[interaction.surface.instance].emitter;
         if (emitter != MCV_NONE) {
             __global const mcv_device_emitter *e = world.emitters + emitter;
-            if (interaction.inside || e->type != MCV_EMITTER_PARALLEL || !e->parallel.from_receiver)
+            if (interaction.back_face || e->type != MCV_EMITTER_PARALLEL ||
+                !e->parallel.from_receiver)
                 return arrival;
             mcv_vec3 x, y;
             mcv_basis(mcv_vec_at(e->parallel.axis), &x, &y);

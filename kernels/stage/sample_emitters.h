@@ -28,8 +28,7 @@
 
 #if MCV_WITH_NEXT_EVENT
 MCV_LOOP_FUNCTION mcv_receiver mcv_receiver_of(mcv_interaction interaction) {
-    const mcv_receiver at = {interaction.surface.point, interaction.surface.error,
-                             interaction.face};
+    const mcv_receiver at = {interaction.surface.point, interaction.surface.error, interaction.ng};
     return at;
 }
 
@@ -91,14 +90,13 @@ MCV_FUNCTION uint mcv_pick_emitter(mcv_world world, mcv_slot slot, uint depth) {
                               mcv_cdf_bits(choice.x, choice.y));
     const uint sides = world.materials[material].scattering_sides;
     const mcv_interaction interaction = mcv_make_interaction(world, slot);
-    const mcv_vec3 point = interaction.surface.point, face = interaction.face,
-                   normal = interaction.normal;
+    const mcv_vec3 point = interaction.surface.point, ng = interaction.ng, ns = interaction.ns;
 #if MCV_WITH_LIGHT_TREE
     float ratio;
-    const mcv_vec3 side = mcv_walking_normal(normal, sides);
+    const mcv_vec3 side = mcv_walking_normal(ns, sides);
     const uint emitter = mcv_select_by_tree(world, point, side, choice.x, choice.y, &ratio);
     mcv_put_walk(slot, side, ratio);
-    (void)face;
+    (void)ng;
 #else
     mcv_light_selection selection;
     mcv_receiver_lobe lobe = mcv_even_lobe();
@@ -106,9 +104,8 @@ MCV_FUNCTION uint mcv_pick_emitter(mcv_world world, mcv_slot slot, uint depth) {
 #if MCV_WITH_REACH && MCV_WITH_GLOSSY
     lobe = mcv_receiver_lobe_at(world, slot, &interaction);
 #endif
-    const uint emitter =
-        mcv_select_emitter(world, point, face, normal, sides, interaction.direction, lobe, choice.x,
-                           &selection, &chance);
+    const uint emitter = mcv_select_emitter(world, point, ng, ns, sides, interaction.direction,
+                                            lobe, choice.x, &selection, &chance);
     mcv_put_selection(slot, selection);
     if (MCV_WITH_REACH && MCV_WITH_GLOSSY) MCV_STORE(slot, selection_here, 2, chance);
 #endif

@@ -33,7 +33,7 @@ static void mcv_shade_emitter_hit(mcv_world world, mcv_vec3 receiver, mcv_vec3 d
         world.instances[mcv_instance_of(world, hit.primitive)].emitter != emitter)
         return;
     const mcv_surface there = mcv_surface_at(world, hit.primitive, hit.u, hit.v);
-    met[0] = mcv_abs(mcv_dot(direction, there.face));
+    met[0] = mcv_abs(mcv_dot(direction, there.ng));
     met[1] = mcv_emitted(world, there, emitter, mcv_scale(direction, -1.0f)).c[0];
     met[2] = mcv_emitter_density(world, receiver, there, emitter, direction, hit.t);
 #endif
@@ -51,7 +51,7 @@ __kernel void sample_towards(MCV_WORLD_PARAMETERS uint emitter, __global const f
     mcv_pair pair;
     at.point = mcv_vec(in[0], in[1], in[2]);
     at.error = mcv_vec(0.0f, 0.0f, 0.0f);
-    at.face = mcv_vec(in[3], in[4], in[5]);
+    at.ng = mcv_vec(in[3], in[4], in[5]);
     pair.x = in[6];
     pair.y = in[7];
     const mcv_light_sample sample = mcv_sample_towards(world, at, emitter, pair);

@@ -17,8 +17,8 @@
 MCV_FUNCTION mcv_response mcv_respond_ground_glass(mcv_world world, mcv_interaction interaction,
                                                    uint material, uint media, mcv_vec3 direction) {
     const mcv_crossing crossing = mcv_cross_surface(world, &interaction, media);
-    const float cosine = mcv_dot(direction, interaction.normal);
-    const int beyond = cosine<0.0f, agrees = cosine * mcv_dot(direction, interaction.face)> 0.0f;
+    const float cosine = mcv_dot(direction, interaction.ns);
+    const int beyond = cosine<0.0f, agrees = cosine * mcv_dot(direction, interaction.ng)> 0.0f;
     const float passed = mcv_ground_glass_transmittance(
         world.materials[material].as.ground_glass.passed, crossing.between.eta);
     mcv_response response;
@@ -38,7 +38,7 @@ MCV_FUNCTION mcv_scattering mcv_scatter_ground_glass(mcv_world world, mcv_intera
     const float passed = mcv_ground_glass_transmittance(
         world.materials[material].as.ground_glass.passed, crossing.between.eta);
     const mcv_vec3 reflected =
-        mcv_normalize(mcv_from_frame(mcv_sample_cosine(pair.x, pair.y), interaction.normal));
+        mcv_normalize(mcv_from_frame(mcv_sample_cosine(pair.x, pair.y), interaction.ns));
     const mcv_vec3 direction = mcv_scale(reflected, choice < passed ? -1.0f : 1.0f);
     if (crossing.between.delta == 0.0f)
         return mcv_scatter_into(interaction.direction, crossing.after, MCV_EVENT_PASS);

@@ -15,9 +15,9 @@
  */
 MCV_FUNCTION mcv_response mcv_respond_lunar_lambert(mcv_world world, mcv_interaction interaction,
                                                     uint material, uint media, mcv_vec3 direction) {
-    const float c_o = -mcv_dot(interaction.direction, interaction.normal),
-                c_i = mcv_dot(direction, interaction.normal);
-    const int comes = (c_o > 0.0f) & (c_i > 0.0f) & (mcv_dot(direction, interaction.face) > 0.0f);
+    const float c_o = -mcv_dot(interaction.direction, interaction.ns),
+                c_i = mcv_dot(direction, interaction.ns);
+    const int comes = (c_o > 0.0f) & (c_i > 0.0f) & (mcv_dot(direction, interaction.ng) > 0.0f);
     mcv_response response;
     response.f_cos = mcv_grey(0.0f);
     response.density = 0.0f;
@@ -37,7 +37,7 @@ MCV_FUNCTION mcv_scattering mcv_scatter_lunar_lambert(mcv_world world, mcv_inter
                                                       uint material, uint media, mcv_pair pair,
                                                       float choice) {
     const mcv_vec3 direction =
-        mcv_normalize(mcv_from_frame(mcv_sample_cosine(pair.x, pair.y), interaction.normal));
+        mcv_normalize(mcv_from_frame(mcv_sample_cosine(pair.x, pair.y), interaction.ns));
     (void)choice;
     return mcv_scatter_by(
         direction, mcv_respond_lunar_lambert(world, interaction, material, media, direction));

@@ -19,7 +19,7 @@ MCV_FUNCTION mcv_scattering mcv_scatter_filter_glass(mcv_world world, mcv_intera
     const mcv_device_interface into = mcv_plate_interface(world, glass.eta, glass.delta, media);
     mcv_scattering reflected = mcv_scatter_mirrored(interaction, media);
     mcv_scattering passed = mcv_scatter_into(interaction.direction, media, MCV_EVENT_PASS);
-    const float c1 = -mcv_dot(interaction.direction, interaction.normal);
+    const float c1 = -mcv_dot(interaction.direction, interaction.ns);
     const float cosine = c1 < 1.0f ? c1 : 1.0f;
     const float c2 = mcv_refracted_cosine(into, cosine), once = mcv_fresnel(into, cosine, c2);
     MCV_EACH_CHANNEL(i) {
