@@ -25,10 +25,11 @@ MCV_LOOP_FUNCTION float mcv_power_heuristic(float own, float other) {
 /*
  * The pdf of the surface's own choice of a ray that has met an emitter, to be weighed against
  * p_light, the pdf of next-event estimation that takes emitters by power alone
- * (mcv_emitter_density). In fact the surface takes this emitter `ratio` times as often
- * (mcv_selection_ratio, mcv_tree_ratio). The power heuristic depends on the quotient of the two
- * pdfs alone, and p_bsdf/ratio : p_light = p_bsdf : p_light * ratio. Here p_bsdf is divided; where
- * the emitter is sampled p_light is multiplied (mcv_apply_selection). Both are the same weights.
+ * (mcv_emitter_density). The surface takes this emitter `ratio` times as often: by the light tree
+ * exactly (mcv_tree_ratio), else by a surrogate (mcv_selection_ratio, mcv_light_selection). The
+ * power heuristic depends on the quotient of the two pdfs alone, and p_bsdf/ratio : p_light =
+ * p_bsdf : p_light * ratio. Here p_bsdf is divided; where the emitter is sampled p_light is
+ * multiplied (mcv_apply_selection). Both are the same weights.
  */
 MCV_LOOP_FUNCTION float mcv_bsdf_pdf_over_ratio(mcv_world world, mcv_slot slot, uint emitter,
                                                 float pdf) {

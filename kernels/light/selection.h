@@ -99,33 +99,40 @@ MCV_LOOP_FUNCTION float mcv_add_reaching(__global const mcv_device_emitter *e, m
 }
 
 /*
- * The chances at one receiver: scale * importance + least of each emitter that reaches it. These
- * are what a path keeps for the power heuristic. By what it sends on the receiver chooses with
- * received_scale * weight + received_least; the others are then larger in all by as much as the
- * choice is better: what weighs light must be the same wherever a path meets it, but need not be
- * the choice itself.
+ * How a receiver chooses among the emitters that reach it, and by what its MIS weighs them.
+ *
+ * Emitters are chosen with the pmf pmf_scale * w + pmf_least, w being the importance times what the
+ * receiver's lobe sends on (mcv_add_reaching). With a glossy receiver w depends on the path's
+ * direction before it. A BSDF ray that hits the emitter cannot evaluate this pmf again: the path
+ * keeps neither that direction nor the lobe. So MIS uses a surrogate in place of the pmf, on both
+ * sides: s = mis_scale * importance + mis_least. The path keeps its two numbers, and can evaluate
+ * it wherever it meets the emitter (mcv_selection_ratio). The sampled light is divided by the pmf
+ * itself. The weights of both sides sum to 1 with any s, which keeps the estimate unbiased.
+ *
+ * s need not sum to 1. It is the pmf by importance alone, times the mean of how much oftener the
+ * lobe chooses what it chooses. Without glossy receivers s is the pmf.
  */
 typedef struct mcv_light_selection {
-    float scale, least;
-    float received_scale, received_least;
+    float mis_scale, mis_least;
+    float pmf_scale, pmf_least;
 } mcv_light_selection;
 
 /* A sixteenth of all choices goes to the emitters in equal parts: what promises most may be hidden.
  */
 MCV_LOOP_FUNCTION mcv_light_selection mcv_make_light_selection(mcv_reaching all, int glossy) {
     mcv_light_selection selection;
-    selection.scale = all.sum > 0.0f ? 0.9375f / all.sum : 0.0f;
-    selection.least = (all.sum > 0.0f ? 0.0625f : 1.0f) / all.count;
-    selection.received_scale = selection.scale;
-    selection.received_least = selection.least;
+    selection.mis_scale = all.sum > 0.0f ? 0.9375f / all.sum : 0.0f;
+    selection.mis_least = (all.sum > 0.0f ? 0.0625f : 1.0f) / all.count;
+    selection.pmf_scale = selection.mis_scale;
+    selection.pmf_least = selection.mis_least;
     if (!(MCV_WITH_GLOSSY && glossy)) return selection;
     const int sends = all.received > 0.0f;
-    const float better =
+    const float oftener =
         mcv_fma(0.9375f, (all.squares / all.received) * (all.sum / all.received), 0.0625f);
-    selection.received_scale = sends ? 0.9375f / all.received : 0.0f;
-    selection.received_least = (sends ? 0.0625f : 1.0f) / all.count;
-    selection.scale *= sends ? better : 1.0f;
-    selection.least *= sends ? better : 1.0f;
+    selection.pmf_scale = sends ? 0.9375f / all.received : 0.0f;
+    selection.pmf_least = (sends ? 0.0625f : 1.0f) / all.count;
+    selection.mis_scale *= sends ? oftener : 1.0f;
+    selection.mis_least *= sends ? oftener : 1.0f;
     return selection;
 }
 
@@ -162,17 +169,16 @@ MCV_FUNCTION uint mcv_select_emitter(mcv_world world, mcv_vec3 receiver, mcv_vec
                                       MCV_WITH_GLOSSY, &all);
     *selection = mcv_make_light_selection(all, MCV_WITH_GLOSSY);
     for (uint i = 0; i < count; ++i)
-        choice = mcv_ask_emitter(choice, i, weights[i], selection->received_scale,
-                                 selection->received_least, xi);
+        choice =
+            mcv_ask_emitter(choice, i, weights[i], selection->pmf_scale, selection->pmf_least, xi);
     *chance = choice.chance;
     return choice.emitter;
 }
 
-/* How much more often than at large, where its chance is e->probability, such a receiver chooses an
- * emitter; scale, least: as of mcv_light_selection. */
+/* The surrogate of mcv_light_selection over the probability that the emitter has by power alone. */
 MCV_LOOP_FUNCTION float mcv_selection_ratio(__global const mcv_device_emitter *e, mcv_vec3 receiver,
-                                            float scale, float least) {
-    return mcv_fma(mcv_emitter_importance(e, receiver), scale, least) / e->probability;
+                                            float mis_scale, float mis_least) {
+    return mcv_fma(mcv_emitter_importance(e, receiver), mis_scale, mis_least) / e->probability;
 }
 
 #endif

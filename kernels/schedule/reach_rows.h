@@ -74,8 +74,8 @@ MCV_LOOP_FUNCTION void mcv_select_block(mcv_world world, mcv_slot slot, uint fir
         const mcv_reaching all = {sums[0][j], sums[1][j], sums[2][j], sums[3][j]};
         const mcv_light_selection selection = mcv_make_light_selection(all, glossy);
         mcv_put_selection(slot, selection);
-        scales[j] = selection.received_scale;
-        leasts[j] = selection.received_least;
+        scales[j] = selection.pmf_scale;
+        leasts[j] = selection.pmf_least;
         MCV_WORD(slot, emitter, 0) = MCV_NONE;
         if (MCV_WITH_GLOSSY) MCV_STORE(slot, selection_here, 2, 0.0f);
         MCV_STORE_COLOR(slot, shadow_light, mcv_grey(0.0f));
