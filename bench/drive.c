@@ -185,8 +185,7 @@ mcv_result drive_open(mcv_cl *cl, const mcv_scene *scene, drive_options options,
     if (d->frame.path_count > d->schedule.capacity)
         return mcv_fail(error, MCV_FAILED, "%s: %u paths are more than a launch holds", scene->path,
                         d->frame.path_count);
-    const uint32_t block =
-        1u << options.log2_samples < MCV_BLOCK ? 1u << options.log2_samples : MCV_BLOCK;
+    const uint32_t block = mcv_block_size(options.log2_samples);
     d->sum_count = (size_t)2 * d->frame.path_count / block * packed->channels;
     d->sums = malloc(d->sum_count * sizeof *d->sums);
     if (!d->sums) return mcv_fail(error, MCV_FAILED, "no memory for the sums of a launch");

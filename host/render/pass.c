@@ -146,7 +146,7 @@ mcv_result mcv_class_pass_begin(const mcv_renderer *r, mcv_pixel_class class, ui
     if (log2_samples > MAX_LOG2_SAMPLES) log2_samples = MAX_LOG2_SAMPLES;
     if (log2_samples > floor_log2(capacity)) log2_samples = floor_log2(capacity);
     const uint32_t launch_samples = 1u << log2_samples;
-    const uint32_t block = launch_samples < MCV_BLOCK ? launch_samples : MCV_BLOCK;
+    const uint32_t block = mcv_block_size(log2_samples);
     mcv_readback *h = &pass->readback;
     pass->log2_samples = log2_samples;
     pass->sets_per_launch = capacity / launch_samples;

@@ -270,7 +270,7 @@ static mcv_result start_stream(mcv_schedule *s, const mcv_frame *frame, mcv_rend
 /* Launches the other depths while paths are active, then the film. */
 static mcv_result finish_stream(mcv_schedule *s, mcv_render_stats *stats, mcv_error *error) {
     const mcv_frame *frame = &s->stream.frame;
-    const uint32_t block = frame->log2_samples < 6 ? 1u << frame->log2_samples : MCV_BLOCK;
+    const uint32_t block = mcv_block_size(frame->log2_samples);
     while (s->stream.depth < frame->depth) {
         cl_uint living;
         MCV_TRY(living_paths(s, &living, error));

@@ -335,6 +335,12 @@ MCV_ASSERT_SIZE(mcv_device_vertex, 112);
 /* Samples that the device sums; the host continues the same binary tree. */
 #define MCV_BLOCK 64
 
+/* The size of a block in a launch of 2^log2_samples samples per set. */
+MCV_FUNCTION uint mcv_block_size(uint log2_samples) {
+    const uint samples = 1u << log2_samples;
+    return samples < MCV_BLOCK ? samples : MCV_BLOCK;
+}
+
 /*
  * The largest value of a branch of a sample: the sum of a block is then a float. It is 2^128 / 8 /
  * MCV_BLOCK / 2, with room for 8 branches (MCV_SPLIT_BRANCHES is 4). Larger values count as not

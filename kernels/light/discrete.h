@@ -6,6 +6,14 @@
 #include "mcvisi/sampling.h"
 
 /*
+ * Of all choices of an emitter these go by less than what it promises: among few emitters in equal
+ * parts, by the light tree by power. What promises most may be hidden, and what rounding puts out
+ * of reach is found all the same (a defensive mixture, Hesterberg 1995).
+ */
+#define MCV_DEFENSIVE_PROBABILITY 0.0625f
+#define MCV_INFORMED_PROBABILITY (1.0f - MCV_DEFENSIVE_PROBABILITY)
+
+/*
  * A number xi has 24 bits, too few for the triangles of a large mesh: 7 more are the last ones of
  * another number, whose first ones alone matter where that is used.
  */

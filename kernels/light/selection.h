@@ -13,6 +13,7 @@
 #ifndef MCVISI_KERNELS_SELECTION_H
 #define MCVISI_KERNELS_SELECTION_H
 
+#include "light/discrete.h"
 #include "light/lobe.h"
 #include "world.h"
 
@@ -117,20 +118,19 @@ typedef struct mcv_light_selection {
     float pmf_scale, pmf_least;
 } mcv_light_selection;
 
-/* A sixteenth of all choices goes to the emitters in equal parts: what promises most may be hidden.
- */
 MCV_LOOP_FUNCTION mcv_light_selection mcv_make_light_selection(mcv_reaching all, int glossy) {
     mcv_light_selection selection;
-    selection.mis_scale = all.sum > 0.0f ? 0.9375f / all.sum : 0.0f;
-    selection.mis_least = (all.sum > 0.0f ? 0.0625f : 1.0f) / all.count;
+    selection.mis_scale = all.sum > 0.0f ? MCV_INFORMED_PROBABILITY / all.sum : 0.0f;
+    selection.mis_least = (all.sum > 0.0f ? MCV_DEFENSIVE_PROBABILITY : 1.0f) / all.count;
     selection.pmf_scale = selection.mis_scale;
     selection.pmf_least = selection.mis_least;
     if (!(MCV_WITH_GLOSSY && glossy)) return selection;
     const int sends = all.received > 0.0f;
     const float oftener =
-        mcv_fma(0.9375f, (all.squares / all.received) * (all.sum / all.received), 0.0625f);
-    selection.pmf_scale = sends ? 0.9375f / all.received : 0.0f;
-    selection.pmf_least = (sends ? 0.0625f : 1.0f) / all.count;
+        mcv_fma(MCV_INFORMED_PROBABILITY, (all.squares / all.received) * (all.sum / all.received),
+                MCV_DEFENSIVE_PROBABILITY);
+    selection.pmf_scale = sends ? MCV_INFORMED_PROBABILITY / all.received : 0.0f;
+    selection.pmf_least = (sends ? MCV_DEFENSIVE_PROBABILITY : 1.0f) / all.count;
     selection.mis_scale *= sends ? oftener : 1.0f;
     selection.mis_least *= sends ? oftener : 1.0f;
     return selection;

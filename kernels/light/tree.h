@@ -2,9 +2,7 @@
 /*
  * Choosing among many emitters by a tree of clusters (host/device/light_tree.c), from its root: at
  * each node one of two children, by mcv_cluster_importance.
- *
- * A sixteenth of all choices goes to the emitters by their power at large: what promises most may
- * be hidden, and what rounding puts out of reach is found all the same.
+ * Of all choices MCV_DEFENSIVE_PROBABILITY go by power at large.
  */
 #ifndef MCVISI_KERNELS_TREE_H
 #define MCVISI_KERNELS_TREE_H
@@ -14,8 +12,6 @@
 #include "world.h"
 
 #if MCV_WITH_LIGHT_TREE
-#define MCV_TREE_SHARE 0.9375f
-
 /* A way from the root down: by a number, or to an emitter that is known. */
 typedef struct mcv_light_walk {
     uint node;
@@ -59,8 +55,8 @@ MCV_LOOP_FUNCTION mcv_light_walk mcv_walk_on(mcv_world world, mcv_light_walk wal
 
 /* The walk for the number xi; `other` as of mcv_cdf_bits. */
 MCV_FUNCTION mcv_light_walk mcv_begin_walk(mcv_world world, float xi, float other) {
-    const float by_power = (xi - MCV_TREE_SHARE) * (1.0f / (1.0f - MCV_TREE_SHARE));
-    if (!(by_power >= 0.0f)) return mcv_start_walk(0, 0u, xi * (1.0f / MCV_TREE_SHARE));
+    const float by_power = (xi - MCV_INFORMED_PROBABILITY) * (1.0f / MCV_DEFENSIVE_PROBABILITY);
+    if (!(by_power >= 0.0f)) return mcv_start_walk(0, 0u, xi * (1.0f / MCV_INFORMED_PROBABILITY));
     const uint emitter = mcv_search_cdf(world.emitter_cdf, world.frame->emitter_count,
                                         mcv_cdf_bits(by_power, other));
     return mcv_start_walk(1, world.emitters[emitter].trail, 0.0f);
@@ -76,7 +72,7 @@ MCV_LOOP_FUNCTION uint mcv_emitter_of(mcv_world world, mcv_light_walk walk) {
  * which such a walk leads. */
 MCV_LOOP_FUNCTION float mcv_walk_ratio(mcv_world world, uint emitter, mcv_light_walk walk) {
     const float probability = world.emitters[emitter].probability;
-    return mcv_fma(MCV_TREE_SHARE, walk.chance, (1.0f - MCV_TREE_SHARE) * probability) /
+    return mcv_fma(MCV_INFORMED_PROBABILITY, walk.chance, MCV_DEFENSIVE_PROBABILITY * probability) /
            probability;
 }
 

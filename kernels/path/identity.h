@@ -7,20 +7,6 @@
 #include "path/sampler.h"
 #include "world.h"
 
-/*
- * The number of surfaces before Russian roulette may end a path, and the throughput below which it
- * does. A smaller threshold costs time, a larger one makes noise. Where next-event estimation
- * samples all emitters, the later vertices contribute little and their rays cost most in meshes.
- * Light that is met by chance, from an environment or through glass, needs them.
- */
-#if MCV_WITH_EARLY_ROULETTE
-#define MCV_ROULETTE_DEPTH 2u
-#define MCV_ROULETTE_WEIGHT 0.5f
-#else
-#define MCV_ROULETTE_DEPTH 4u
-#define MCV_ROULETTE_WEIGHT 0.125f
-#endif
-
 /* Which sample of which pixel a path is. */
 typedef struct mcv_identity {
     uint column, row;
@@ -60,12 +46,6 @@ MCV_FUNCTION mcv_identity mcv_identify(mcv_world world, uint path) {
     return id;
 }
 
-/* Is the pair that chooses among emitters, lobes and going on needed? */
-MCV_FUNCTION int mcv_needs_choice(__constant const mcv_frame *frame, uint depth) {
-    return MCV_WITH_GLOSSY || MCV_WITH_REFLECTOR || MCV_WITH_TRANSLUCENT ||
-           depth >= MCV_ROULETTE_DEPTH || frame->emitter_count > 1u;
-}
-
 /* A pair of random numbers of the surface that a path has met, the depth-th one. The tile schedule
  * has drawn it there (mcv_draw_pairs), and keeps none of other depths. */
 MCV_LOOP_FUNCTION mcv_pair mcv_draw(mcv_slot slot, uint depth, uint use) {
@@ -77,16 +57,6 @@ MCV_LOOP_FUNCTION mcv_pair mcv_draw(mcv_slot slot, uint depth, uint use) {
     return mcv_sample_pair(MCV_WORD(slot, stream, 0), MCV_WORD(slot, sample, 0),
                            MCV_SURFACE_PAIR(depth, use));
 #endif
-}
-
-/*
- * The pair that chooses a lobe and plays roulette; any numbers where a surface needs none. Its
- * first number has chosen an emitter, too, which is another estimate.
- */
-MCV_LOOP_FUNCTION mcv_pair mcv_draw_choice(mcv_world world, mcv_slot slot, uint depth) {
-    const mcv_pair unused = {0.0f, 0.0f};
-    if (!MCV_TILE && !mcv_needs_choice(world.frame, depth)) return unused;
-    return mcv_draw(slot, depth, MCV_PAIR_CHOICE);
 }
 
 #endif

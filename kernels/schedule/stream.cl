@@ -151,7 +151,7 @@ MCV_STAGE_KERNEL(shade_surfaces) {
 /* One work-item per block. */
 MCV_STAGE_KERNEL(accumulate_film) {
     MCV_MAKE_WORLD(world)
-    const uint block = min((uint)MCV_BLOCK, 1u << world.frame->log2_samples);
+    const uint block = mcv_block_size(world.frame->log2_samples);
     const uint i = get_global_id(0);
     uint nonfinite = 0;
     (void)queues, (void)lengths, (void)depth;

@@ -47,7 +47,7 @@ MCV_BATCH uint mcv_terminate_paths(mcv_world world, uint *paths, const uint *lis
  * each. */
 MCV_BATCH void mcv_accumulate_values(mcv_world world, const float *values, uint branches,
                                      uint first, uint count, __global float *sums) {
-    const uint block = min((uint)MCV_BLOCK, 1u << world.frame->log2_samples);
+    const uint block = mcv_block_size(world.frame->log2_samples);
     float highs[MCV_SLICE], lows[MCV_SLICE];
     sums += (size_t)(first / block) * MCV_CHANNELS * 2u;
     for (uint channel = 0; channel < MCV_CHANNELS; ++channel, values += MCV_SLOTS, sums += 2) {

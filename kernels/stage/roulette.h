@@ -3,7 +3,25 @@
 #ifndef MCVISI_KERNELS_ROULETTE_H
 #define MCVISI_KERNELS_ROULETTE_H
 
+#include "path/identity.h"
 #include "world.h"
+
+/*
+ * The number of surfaces before Russian roulette may end a path, and the throughput below which it
+ * does. A smaller threshold costs time, a larger one makes noise. Where next-event estimation
+ * samples all emitters, the later vertices contribute little and their rays cost most in meshes.
+ * Light that is met by chance, from an environment or through glass, needs them.
+ */
+#if MCV_WITH_EARLY_ROULETTE
+#define MCV_ROULETTE_DEPTH 2u
+#define MCV_ROULETTE_WEIGHT 0.5f
+#else
+#define MCV_ROULETTE_DEPTH 4u
+#define MCV_ROULETTE_WEIGHT 0.125f
+#endif
+
+/* Surfaces that a light path meets before roulette may end it. */
+#define MCV_LIGHT_ROULETTE_DEPTH 5u
 
 typedef struct mcv_roulette {
     int survives;   /* the path continues */
@@ -30,6 +48,22 @@ MCV_LOOP_FUNCTION mcv_color mcv_after_roulette(mcv_roulette roulette, mcv_color 
     MCV_EACH_CHANNEL(i)
     carried.c[i] = roulette.threatened ? carried.c[i] * roulette.gain : carried.c[i];
     return carried;
+}
+
+/* Is the pair that chooses among emitters, lobes and going on needed? */
+MCV_FUNCTION int mcv_needs_choice(__constant const mcv_frame *frame, uint depth) {
+    return MCV_WITH_GLOSSY || MCV_WITH_REFLECTOR || MCV_WITH_TRANSLUCENT ||
+           depth >= MCV_ROULETTE_DEPTH || frame->emitter_count > 1u;
+}
+
+/*
+ * The pair that chooses a lobe and plays roulette; any numbers where a surface needs none. Its
+ * first number has chosen an emitter, too, which is another estimate.
+ */
+MCV_LOOP_FUNCTION mcv_pair mcv_draw_choice(mcv_world world, mcv_slot slot, uint depth) {
+    const mcv_pair unused = {0.0f, 0.0f};
+    if (!MCV_TILE && !mcv_needs_choice(world.frame, depth)) return unused;
+    return mcv_draw(slot, depth, MCV_PAIR_CHOICE);
 }
 
 /* What the depth limit cuts of a path, in units of 2^-11: a million paths fit the counter. */

@@ -22,9 +22,6 @@
 #include "traverse/closest.h"
 
 #if MCV_WITH_LIGHT_TRACING
-/* Surfaces that a light path meets before roulette may end it. */
-#define MCV_LIGHT_ROULETTE_DEPTH 5u
-
 #if MCV_WITH_BEAMS
 /* A beam reaches the plane of the lens before t, from smooth surfaces or straight from its emitter.
  */
