@@ -29,7 +29,7 @@ MCV_FUNCTION mcv_vec3 mcv_sub(mcv_vec3 a, mcv_vec3 b) {
 MCV_FUNCTION mcv_vec3 mcv_scale(mcv_vec3 a, float s) { return mcv_vec(a.x * s, a.y * s, a.z * s); }
 
 /* a or b, by components; a conditional jump would prevent vectorisation. */
-MCV_FUNCTION mcv_vec3 mcv_choose(int condition, mcv_vec3 a, mcv_vec3 b) {
+MCV_FUNCTION mcv_vec3 mcv_either(int condition, mcv_vec3 a, mcv_vec3 b) {
     return mcv_vec(condition ? a.x : b.x, condition ? a.y : b.y, condition ? a.z : b.z);
 }
 

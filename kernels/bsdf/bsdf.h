@@ -7,7 +7,7 @@
 #include "bsdf/diffuse.h"
 #include "bsdf/glossy.h"
 #include "bsdf/retroreflector.h"
-#include "bsdf/sheet.h"
+#include "bsdf/plates.h"
 #include "geometry/contact.h"
 
 #if MCV_WITH_NEXT_EVENT

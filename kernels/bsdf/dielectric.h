@@ -56,8 +56,8 @@ MCV_LOOP_FUNCTION mcv_vec3 mcv_refracted(mcv_device_interface between, mcv_inter
     const float f1 = -mcv_dot(interaction.direction, interaction.ng);
     const float f2 = mcv_refracted_cosine(between, f1);
     const mcv_vec3 flat = mcv_refract(between, interaction.direction, interaction.ng, f1, f2);
-    return mcv_choose(mcv_dot(d, interaction.ng) < 0.0f, d,
-                      mcv_choose(f2 > 0.0f, flat, interaction.direction));
+    return mcv_either(mcv_dot(d, interaction.ng) < 0.0f, d,
+                      mcv_either(f2 > 0.0f, flat, interaction.direction));
 }
 
 /*
@@ -77,12 +77,12 @@ MCV_LOOP_FUNCTION mcv_scattering mcv_scatter_dielectric(mcv_world world,
     const float reflectance = bends ? mcv_interface_reflectance(between, cosine, c2) : 0.0f;
     mcv_scattering reflected = mcv_scatter_mirrored(interaction, crossing.before);
     mcv_scattering refracted = mcv_scatter_into(
-        mcv_choose(bends, mcv_refracted(between, interaction, cosine, c2), interaction.direction),
+        mcv_either(bends, mcv_refracted(between, interaction, cosine, c2), interaction.direction),
         crossing.after, bends ? MCV_EVENT_REFRACT : MCV_EVENT_PASS);
     *unmatched += crossing.before != media;
     reflected.chance = reflectance;
     refracted.chance = 1.0f - reflectance;
-    return mcv_choose_way(reflected, refracted, total | (xi < reflectance), other);
+    return mcv_either_way(reflected, refracted, total | (xi < reflectance), other);
 }
 #endif
 

@@ -89,8 +89,8 @@ MCV_LOOP_FUNCTION mcv_glossy_interaction mcv_make_glossy_interaction_of(
         const int turns = from->anisotropy > 0.0f;
         const mcv_vec3 tangent = mcv_tangent(world, interaction->surface, from->direction);
         const mcv_vec3 x = mcv_along(tangent, -mcv_dot(tangent, m.z), m.z);
-        m.x = mcv_choose(turns & (mcv_dot(x, x) > 0.0f), mcv_normalize(x), m.x);
-        m.y = mcv_choose(turns, mcv_cross(m.z, m.x), m.y);
+        m.x = mcv_either(turns & (mcv_dot(x, x) > 0.0f), mcv_normalize(x), m.x);
+        m.y = mcv_either(turns, mcv_cross(m.z, m.x), m.y);
     }
     m.o = mcv_microfacet_local(&m, mcv_scale(interaction->direction, -1.0f));
     m.lobes = mcv_microfacet_lobes(from, &m.microfacets, world.albedos, m.o);

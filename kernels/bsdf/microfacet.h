@@ -91,7 +91,7 @@ MCV_LOOP_FUNCTION mcv_response mcv_microfacet_respond(const mcv_device_glossy *m
     /* The microfacet normal that sends i to o, and d²h/d²i. */
     const mcv_vec3 mirrored = mcv_vec(i.x, i.y, mcv_abs(i.z));
     mcv_vec3 h = mcv_normalize(
-        mcv_choose(refracts, mcv_along(i, microfacets->between.eta, o), mcv_add(o, mirrored)));
+        mcv_either(refracts, mcv_along(i, microfacets->between.eta, o), mcv_add(o, mirrored)));
     h = mcv_scale(h, (refracts & (h.z < 0.0f)) ? -1.0f : 1.0f);
     const float cosine = mcv_dot(o, h);
     const float behind = -mcv_dot(i, h);
@@ -155,10 +155,10 @@ MCV_LOOP_FUNCTION mcv_vec3 mcv_microfacet_sample(const mcv_device_glossy *m,
         const mcv_vec3 refracted =
             mcv_refract(microfacets->between, mcv_scale(o, -1.0f), h, c1, c2);
         goes_on = reflects ? goes_on : (c2 > 0.0f) & (refracted.z < 0.0f);
-        i = mcv_choose(reflects, i, refracted);
+        i = mcv_either(reflects, i, refracted);
     }
-    i = mcv_choose(diffuse, mcv_vec(spread.x, spread.y, near ? spread.z : -spread.z), i);
-    return mcv_choose(diffuse | goes_on, i, mcv_vec(0.0f, 0.0f, 0.0f));
+    i = mcv_either(diffuse, mcv_vec(spread.x, spread.y, near ? spread.z : -spread.z), i);
+    return mcv_either(diffuse | goes_on, i, mcv_vec(0.0f, 0.0f, 0.0f));
 }
 
 #endif

@@ -8,7 +8,7 @@
 #ifndef MCVISI_KERNELS_SCATTERING_H
 #define MCVISI_KERNELS_SCATTERING_H
 
-#include "geometry/hit.h"
+#include "geometry/interaction.h"
 #include "mcvisi/events.h"
 
 /* How a path goes on. */
@@ -46,12 +46,12 @@ MCV_LOOP_FUNCTION mcv_scattering mcv_scatter_by(mcv_vec3 direction, mcv_response
     return scattering;
 }
 
-/* a or b, word by word as in mcv_choose: all but the remainder. Of rough glass that is read before
+/* a or b, word by word as in mcv_either: all but the remainder. Of rough glass that is read before
  * (mcv_shade_hit). */
-MCV_LOOP_FUNCTION mcv_scattering mcv_choose_scattering(int condition, mcv_scattering a,
+MCV_LOOP_FUNCTION mcv_scattering mcv_either_scattering(int condition, mcv_scattering a,
                                                        mcv_scattering b) {
     mcv_scattering chosen;
-    chosen.direction = mcv_choose(condition, a.direction, b.direction);
+    chosen.direction = mcv_either(condition, a.direction, b.direction);
     MCV_EACH_CHANNEL(i) chosen.factor.c[i] = condition ? a.factor.c[i] : b.factor.c[i];
     chosen.density = condition ? a.density : b.density;
     chosen.chance = condition ? a.chance : b.chance;
@@ -61,15 +61,15 @@ MCV_LOOP_FUNCTION mcv_scattering mcv_choose_scattering(int condition, mcv_scatte
 }
 
 /* One of a smooth surface's two ways on; *other is the other one. */
-MCV_LOOP_FUNCTION mcv_scattering mcv_choose_way(mcv_scattering reflected, mcv_scattering passed,
+MCV_LOOP_FUNCTION mcv_scattering mcv_either_way(mcv_scattering reflected, mcv_scattering passed,
                                                 int reflects, mcv_scattering *other) {
-    *other = mcv_choose_scattering(reflects, passed, reflected);
-    return mcv_choose_scattering(reflects, reflected, passed);
+    *other = mcv_either_scattering(reflects, passed, reflected);
+    return mcv_either_scattering(reflects, reflected, passed);
 }
 
 MCV_LOOP_FUNCTION mcv_vec3 mcv_reflected(mcv_interaction interaction) {
     const mcv_vec3 d = mcv_reflect(interaction.direction, interaction.ns);
-    return mcv_choose(mcv_dot(d, interaction.ng) > 0.0f, d,
+    return mcv_either(mcv_dot(d, interaction.ng) > 0.0f, d,
                       mcv_reflect(interaction.direction, interaction.ng));
 }
 

@@ -37,7 +37,7 @@ MCV_LOOP_FUNCTION mcv_span mcv_conic_above(__global const mcv_device_cap *cap, m
     const float meets =
         1.0f - e * c * mcv_fma(other, d.z, p.z) > 0.0f ? (other > 0.0f ? other : 0.0f) : INFINITY;
     const mcv_span rising = mcv_span_of(-INFINITY, a > 0.0f ? meets : INFINITY);
-    const mcv_span falling = mcv_choose_span((a < 0.0f) & (meets < INFINITY),
+    const mcv_span falling = mcv_either_span((a < 0.0f) & (meets < INFINITY),
                                              mcv_span_of(meets, INFINITY), mcv_nowhere());
 
     const float f =
@@ -60,9 +60,9 @@ MCV_LOOP_FUNCTION mcv_span mcv_conic_above(__global const mcv_device_cap *cap, m
     const float height =
         mcv_fma(c, mcv_fma(w * m.x, m.x, mcv_fma(m.y, m.y, e * m.z * m.z)), -2.0f * m.z);
     const int above = bent < 1.0f ? height < 0.0f : e * c > 0.0f;
-    const mcv_span met = mcv_choose_span(rises | falls, crossed,
-                                         mcv_choose_span(above, mcv_everywhere(), mcv_nowhere()));
-    return mcv_choose_span(on, mcv_choose_span(up, rising, falling), met);
+    const mcv_span met = mcv_either_span(rises | falls, crossed,
+                                         mcv_either_span(above, mcv_everywhere(), mcv_nowhere()));
+    return mcv_either_span(on, mcv_either_span(up, rising, falling), met);
 }
 
 /* dz/dr² of a cap at r², and *height its z. */

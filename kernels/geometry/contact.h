@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Bodies in contact: what else lies where a ray hits a surface. The media of all of them change
- * there. */
+ * there. mcv_hit_interaction, of a hit, therefore stands here. */
 #ifndef MCVISI_KERNELS_CONTACT_H
 #define MCVISI_KERNELS_CONTACT_H
 
-#include "geometry/hit.h"
+#include "geometry/interaction.h"
 #include "traverse/bvh8.h"
 
 #if MCV_WITH_CONTACT
@@ -78,7 +78,7 @@ MCV_LOOP_FUNCTION int mcv_is_near_others(mcv_world world, mcv_surface surface, u
     __global const mcv_contact_grid *grid = world.contact_grid;
     mcv_vec3 point = surface.point;
 #if MCV_WITH_MOVING
-    point = mcv_choose(world.instances[surface.instance].moves != 0u,
+    point = mcv_either(world.instances[surface.instance].moves != 0u,
                        mcv_point_at_rest(&world.frame->part_motion, world.pose, point), point);
 #endif
     const uint x = mcv_contact_cell(point.x, grid->low[0], grid->scale[0]),

@@ -1,156 +1,85 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* The surface that a path has met. */
+/* A surface as the ray sees it that hits it, and the rays that leave it. */
 #ifndef MCVISI_KERNELS_INTERACTION_H
 #define MCVISI_KERNELS_INTERACTION_H
 
-#include "path/camera_path.h"
-#include "path/dispersion.h"
-#include "path/time.h"
-#include "bsdf/bsdf.h"
+#include "geometry/surface.h"
+#include "geometry/solid_surface.h"
 
-/* What the path has met. */
-MCV_LOOP_FUNCTION mcv_hit mcv_load_hit(mcv_slot slot) {
-    const mcv_hit hit = {MCV_LOAD(slot, hit, 0), MCV_LOAD(slot, hit, 1), MCV_LOAD(slot, hit, 2),
-                         MCV_WORD(slot, hit, 3)};
-    return hit;
-}
-
-/* mcv_disperse_at for a camera path, wherever it is; without dispersion the world as it is. */
-MCV_FUNCTION mcv_world mcv_disperse(mcv_world world, mcv_slot slot) {
-#if MCV_WITH_DISPERSION
-    const uint primitive = MCV_WORD(slot, hit, 3);
-    mcv_color throughput = mcv_path_throughput(slot);
-    if (primitive == MCV_NONE) return mcv_in_channel(world, mcv_kept_channel(throughput));
-    world = mcv_disperse_at(world, mcv_instance_of(world, primitive), MCV_WORD(slot, stream, 0),
-                            MCV_WORD(slot, sample, 0), throughput, &throughput);
-    MCV_STORE_COLOR(slot, throughput, throughput);
-#else
-    (void)slot;
-#endif
-    return world;
-}
-
-#if MCV_TILE
-MCV_LOOP_FUNCTION void mcv_put_surface(mcv_slot slot, mcv_surface surface) {
-    const mcv_interaction interaction =
-        mcv_surface_interaction(surface, MCV_LOAD_3(slot, direction));
-    MCV_STORE_3(slot, point, surface.point);
-    MCV_STORE_3(slot, error, surface.error);
-    MCV_STORE(slot, area, 0, surface.area);
-    MCV_WORD(slot, instance, 0) = surface.instance;
-    if (MCV_WITH_NORMALS) MCV_STORE_3(slot, front_ns, surface.ns);
-    MCV_WORD(slot, back_face, 0) = interaction.back_face;
-    MCV_STORE_3(slot, ng, interaction.ng);
-    MCV_STORE_3(slot, ns, interaction.ns);
-    if (MCV_WITH_GLOSSY) MCV_WORD(slot, glossy_known, 0) = 0u;
-}
-
-/* Works out the surface of a triangle; where nothing was met, of some other one. */
-MCV_LOOP_FUNCTION void mcv_find_triangle(mcv_world world, mcv_slot slot) {
-    const uint met = MCV_WORD(slot, hit, 3);
-    mcv_put_surface(slot, mcv_surface_at(mcv_at_time(world, slot), met == MCV_NONE ? 0u : met,
-                                         MCV_LOAD(slot, hit, 1), MCV_LOAD(slot, hit, 2)));
-}
-
-MCV_LOOP_FUNCTION void mcv_find_exact(mcv_world world, mcv_slot slot, uint met, int quadric) {
-    mcv_put_surface(
-        slot, mcv_exact_surface_on(world, met, MCV_LOAD(slot, hit, 1), MCV_LOAD_3(slot, origin),
-                                   MCV_LOAD_3(slot, direction), MCV_LOAD(slot, hit, 0), quadric));
-}
-#endif
-
-/* The instance that a path has met, which must have met something. */
-MCV_FUNCTION uint mcv_hit_instance(mcv_world world, mcv_slot slot) {
-#if MCV_TILE
-    (void)world;
-    return MCV_WORD(slot, instance, 0);
-#else
-    return mcv_instance_of(world, MCV_WORD(slot, hit, 3));
-#endif
-}
-
-MCV_LOOP_FUNCTION mcv_interaction mcv_make_interaction(mcv_world world, mcv_slot slot) {
-#if MCV_TILE
-    const mcv_hit hit = mcv_load_hit(slot);
-    mcv_interaction interaction;
-    mcv_surface *surface = &interaction.surface;
-    interaction.direction = MCV_LOAD_3(slot, direction);
-    interaction.back_face = MCV_WORD(slot, back_face, 0);
-    interaction.ng = MCV_LOAD_3(slot, ng);
-    interaction.ns = MCV_LOAD_3(slot, ns);
-    surface->point = MCV_LOAD_3(slot, point);
-    surface->error = MCV_LOAD_3(slot, error);
-    surface->ng = mcv_scale(interaction.ng, interaction.back_face ? -1.0f : 1.0f);
-    surface->ns = surface->ng;
-    if (MCV_WITH_NORMALS) surface->ns = MCV_LOAD_3(slot, front_ns);
-    surface->area = MCV_LOAD(slot, area, 0);
-    surface->primitive = hit.primitive;
-    if (mcv_is_exact(hit.primitive))
-        surface->corners.x = surface->corners.y = surface->corners.z = 0u;
-    else
-        surface->corners = mcv_triangle_corners(world, hit.primitive);
-    surface->instance = surface->corners.w = MCV_WORD(slot, instance, 0);
-    surface->u = hit.u;
-    surface->v = hit.v;
-#if MCV_WITH_GLOSSY
-    interaction.glossy = slot.glossy_interactions + slot.index;
-    interaction.glossy_known = &MCV_WORD(slot, glossy_known, 0);
-#endif
-#if MCV_WITH_DIFFUSE
-    interaction.bounces = 1;
-    interaction.bounce = MCV_LOAD_3(slot, bounce);
-    interaction.bounce_density = MCV_LOAD(slot, bounce, 3);
-#endif
+/* A surface seen from where the ray comes from. */
+typedef struct mcv_interaction {
+    mcv_surface surface;
+    mcv_vec3 direction; /* of the ray, unit */
+    mcv_vec3 ng, ns;    /* geometric and shading normal, unit, on the ray's side: both have
+                           cosines < 0 to the direction */
+    uint back_face;     /* 1: the ray comes from behind the front side */
 #if MCV_WITH_CONTACT
-    interaction.exited = MCV_WORD(slot, contact, 0);
-    interaction.entered = MCV_WORD(slot, contact, 1);
-    interaction.touched = MCV_WORD(slot, contact, 2);
-    interaction.beyond_point = MCV_LOAD_3(slot, beyond_point);
-    interaction.beyond_error = MCV_LOAD_3(slot, beyond_error);
-    interaction.touched_ng = MCV_LOAD_3(slot, touched_ng);
+    uint exited, entered; /* media of other bodies whose surfaces are in the same place */
+    mcv_vec3 beyond_point, beyond_error; /* of the last of these surfaces */
+    uint touched; /* if this is a triangle: an exact one of them, or MCV_NONE */
+    mcv_vec3 touched_ng;
+#endif
+#if MCV_TILE && MCV_WITH_DIFFUSE
+    int bounces; /* 1: worked out beforehand for many paths is where it goes on if the surface is
+                    diffuse */
+    mcv_vec3 bounce;
+    float bounce_density;
+#endif
+#if MCV_TILE && MCV_WITH_GLOSSY
+    struct mcv_glossy_interaction
+        *glossy;        /* where to keep what is worked out of a glossy surface, or NULL */
+    uint *glossy_known; /* 1: it is there */
+#endif
+} mcv_interaction;
+
+MCV_LOOP_FUNCTION mcv_interaction mcv_surface_interaction(mcv_surface surface, mcv_vec3 direction) {
+    mcv_interaction interaction;
+    interaction.surface = surface;
+    interaction.direction = direction;
+    interaction.back_face = mcv_dot(direction, interaction.surface.ng) > 0.0f;
+    interaction.ng = mcv_scale(interaction.surface.ng, interaction.back_face ? -1.0f : 1.0f);
+    interaction.ns = mcv_scale(interaction.surface.ns, interaction.back_face ? -1.0f : 1.0f);
+    interaction.ns =
+        mcv_either(mcv_dot(direction, interaction.ns) < 0.0f, interaction.ns, interaction.ng);
+#if MCV_TILE && MCV_WITH_DIFFUSE
+    interaction.bounces = 0;
+#endif
+#if MCV_TILE && MCV_WITH_GLOSSY
+    interaction.glossy = 0;
 #endif
     return interaction;
-#else
-    return mcv_hit_interaction(mcv_at_time(world, slot), MCV_LOAD_3(slot, origin),
-                               MCV_LOAD_3(slot, direction), mcv_load_hit(slot));
+}
+
+/* The surface that a ray from the origin has met. */
+MCV_LOOP_FUNCTION mcv_surface mcv_hit_surface(mcv_world world, mcv_vec3 origin, mcv_vec3 direction,
+                                              mcv_hit hit) {
+    if (mcv_is_exact(hit.primitive))
+        return mcv_exact_surface_at(world, hit.primitive, hit.u, origin, direction, hit.t);
+    return mcv_surface_at(world, hit.primitive, hit.u, hit.v);
+}
+
+/* The origin of a ray that goes on from there. */
+MCV_LOOP_FUNCTION mcv_vec3 mcv_onward_origin(mcv_interaction interaction, mcv_vec3 direction) {
+    mcv_vec3 point = interaction.surface.point, error = interaction.surface.error;
+#if MCV_WITH_CONTACT
+    const int passes = mcv_dot(direction, interaction.ng) < 0.0f;
+    point = mcv_either(passes, interaction.beyond_point, point);
+    error = mcv_either(passes, interaction.beyond_error, error);
 #endif
+    return mcv_offset_origin(point, error, interaction.ng, direction);
 }
 
-#if MCV_TILE && MCV_WITH_CONTACT
-/* Nothing is in the same place as the surface that a path has met. */
-MCV_LOOP_FUNCTION void mcv_put_no_contact(mcv_slot slot) {
-    MCV_WORD(slot, contact, 0) = MCV_WORD(slot, contact, 1) = 0u;
-    MCV_WORD(slot, contact, 2) = MCV_NONE;
-    MCV_STORE_3(slot, beyond_point, MCV_LOAD_3(slot, point));
-    MCV_STORE_3(slot, beyond_error, MCV_LOAD_3(slot, error));
-    MCV_STORE_3(slot, touched_ng, MCV_LOAD_3(slot, ng));
-}
-
-/* Whether the surface that a path has met may have others in the same place. */
-MCV_LOOP_FUNCTION int mcv_may_touch(mcv_world world, mcv_slot slot) {
-    const mcv_interaction interaction = mcv_make_interaction(world, slot);
-    const uint medium = world.instances[interaction.surface.instance].medium;
-    const int near =
-        MCV_WITH_SURFACES ||
-        mcv_is_near_others(
-            mcv_at_time(world, slot), interaction.surface, medium > 0u ? medium : 1u,
-            mcv_contact_band(&interaction, interaction.surface.error, MCV_LOAD(slot, hit, 0)));
-    return (medium != 0u) & near;
-}
-
-/* Looks for surfaces in the same place as the one of a body that a path has met. */
-MCV_FUNCTION void mcv_find_contact(mcv_world world, mcv_slot slot) {
-    mcv_interaction interaction = mcv_make_interaction(world, slot);
-    mcv_find_contacts(mcv_at_time(world, slot), MCV_LOAD_3(slot, origin), mcv_load_hit(slot),
-                      &interaction);
-    MCV_STORE_3(slot, error, interaction.surface.error);
-    MCV_WORD(slot, contact, 0) = interaction.exited;
-    MCV_WORD(slot, contact, 1) = interaction.entered;
-    MCV_WORD(slot, contact, 2) = interaction.touched;
-    MCV_STORE_3(slot, beyond_point, interaction.beyond_point);
-    MCV_STORE_3(slot, beyond_error, interaction.beyond_error);
-    MCV_STORE_3(slot, touched_ng, interaction.touched_ng);
-}
+/* What a ray remembers of the exact surface that it starts on (mcv_mark_origin_surface), or
+ * MCV_NONE. */
+MCV_LOOP_FUNCTION uint mcv_origin_surface_of(mcv_world world, mcv_interaction interaction,
+                                             mcv_vec3 direction) {
+    mcv_surface surface = interaction.surface;
+#if MCV_WITH_CONTACT
+    const int touches = interaction.touched != MCV_NONE;
+    surface.primitive = touches ? interaction.touched : surface.primitive;
+    surface.ng = mcv_either(touches, interaction.touched_ng, surface.ng);
 #endif
+    return mcv_mark_origin_surface(world, surface, direction);
+}
 
 #endif

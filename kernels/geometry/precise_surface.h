@@ -4,7 +4,7 @@
 #define MCVISI_KERNELS_PRECISE_SURFACE_H
 
 #include "geometry/double.h"
-#include "geometry/hit.h"
+#include "geometry/interaction.h"
 
 #if MCV_WITH_MIXED
 /* Where a ray meets a surface. */

@@ -61,7 +61,7 @@ MCV_LOOP_FUNCTION mcv_solid_ray mcv_make_solid_ray(mcv_world world, uint number,
     ray.away = (solid->convex != 0u) &
                ((ray.on[0] & !ray.up) | (ray.on[1] & ray.up) | (ray.on[2] & ray.up));
     ray.shift = here ? 0.0f : nearest;
-    ray.p = mcv_into_frame(solid, mcv_choose(here, from, mcv_along(from, nearest, direction)));
+    ray.p = mcv_into_frame(solid, mcv_either(here, from, mcv_along(from, nearest, direction)));
     ray.d = mcv_into_frame(solid, direction);
     return ray;
 }

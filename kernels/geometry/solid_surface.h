@@ -22,7 +22,7 @@ MCV_LOOP_FUNCTION mcv_vec3 mcv_quadric_gradient(__global const mcv_device_solid 
     const float inverse = 1.0f / mcv_sqrt(mcv_dot(down, down));
     const float sign = piece == MCV_PIECE_FIRST_CAP ? inverse : -inverse;
     *outside = side ? distance : -height * sign;
-    return mcv_choose(side, mcv_normalize(out), mcv_scale(down, sign));
+    return mcv_either(side, mcv_normalize(out), mcv_scale(down, sign));
 }
 
 MCV_FUNCTION int mcv_is_quadric(__global const mcv_device_solid *solid, uint piece) {
@@ -63,7 +63,7 @@ MCV_LOOP_FUNCTION mcv_surface mcv_exact_surface_on(mcv_world world, uint met, fl
     /* What t has rounded: back along the ray, or straight onto a surface that it grazes. */
     const mcv_vec3 d = mcv_into_frame(solid, direction);
     const float slant = mcv_dot(d, normal);
-    p = mcv_choose(mcv_abs(slant) > 0.25f, mcv_along(p, -outside / slant, d),
+    p = mcv_either(mcv_abs(slant) > 0.25f, mcv_along(p, -outside / slant, d),
                    mcv_along(p, -outside, normal));
     normal = quadric ? mcv_quadric_gradient(solid, piece, p, &outside)
                      : mcv_piece_gradient(solid, piece, p, &outside);

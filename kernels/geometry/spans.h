@@ -23,7 +23,7 @@ MCV_LOOP_FUNCTION mcv_span mcv_span_of(float enter, float exit) {
 MCV_LOOP_FUNCTION mcv_span mcv_everywhere(void) { return mcv_span_of(-INFINITY, INFINITY); }
 MCV_LOOP_FUNCTION mcv_span mcv_nowhere(void) { return mcv_span_of(INFINITY, -INFINITY); }
 
-MCV_LOOP_FUNCTION mcv_span mcv_choose_span(int first, mcv_span a, mcv_span b) {
+MCV_LOOP_FUNCTION mcv_span mcv_either_span(int first, mcv_span a, mcv_span b) {
     return mcv_span_of(first ? a.enter : b.enter, first ? a.exit : b.exit);
 }
 
@@ -55,8 +55,8 @@ MCV_LOOP_FUNCTION mcv_span mcv_cylinder_span(float radius, mcv_vec3 p, mcv_vec3 
     const float at_q = q / a, at_c = c / q;
     const mcv_span crossed = mcv_span_of(b > 0.0f ? at_q : at_c, b > 0.0f ? at_c : at_q);
     const int holds = along ? c <= 0.0f : discriminant > 0.0f;
-    const mcv_span met = mcv_choose_span(along, mcv_everywhere(), crossed);
-    return mcv_choose_span(on ? !up : holds, mcv_choose_span(on, inside, met), mcv_nowhere());
+    const mcv_span met = mcv_either_span(along, mcv_everywhere(), crossed);
+    return mcv_either_span(on ? !up : holds, mcv_either_span(on, inside, met), mcv_nowhere());
 }
 
 MCV_LOOP_FUNCTION mcv_span mcv_sphere_span(float radius, mcv_vec3 p, mcv_vec3 d, int on, int up) {
@@ -66,8 +66,8 @@ MCV_LOOP_FUNCTION mcv_span mcv_sphere_span(float radius, mcv_vec3 p, mcv_vec3 d,
     const float distance = mcv_sqrt(mcv_dot(foot, foot));
     const float discriminant = (radius - distance) * (radius + distance);
     const float root = mcv_sqrt(discriminant);
-    return mcv_choose_span(on ? !up : discriminant > 0.0f,
-                           mcv_choose_span(on, inside, mcv_span_of(-b - root, root - b)),
+    return mcv_either_span(on ? !up : discriminant > 0.0f,
+                           mcv_either_span(on, inside, mcv_span_of(-b - root, root - b)),
                            mcv_nowhere());
 }
 
@@ -77,8 +77,8 @@ MCV_LOOP_FUNCTION mcv_span mcv_slab_span(float half_size, float at, float along,
     const mcv_span crossed =
         mcv_span_of(first < second ? first : second, first < second ? second : first);
     const mcv_span parallel =
-        mcv_choose_span(!on & (mcv_abs(at) > half_size), mcv_nowhere(), mcv_everywhere());
-    return mcv_choose_span(along == 0.0f, parallel, crossed);
+        mcv_either_span(!on & (mcv_abs(at) > half_size), mcv_nowhere(), mcv_everywhere());
+    return mcv_either_span(along == 0.0f, parallel, crossed);
 }
 
 MCV_LOOP_FUNCTION mcv_span mcv_box_span(__global const float *half_size, mcv_vec3 p, mcv_vec3 d,
@@ -88,8 +88,8 @@ MCV_LOOP_FUNCTION mcv_span mcv_box_span(__global const float *half_size, mcv_vec
     const float enter = x.enter > y.enter ? x.enter : y.enter;
     const float exit = x.exit < y.exit ? x.exit : y.exit;
     const mcv_span inside = mcv_span_of(-INFINITY, exit > 0.0f ? exit : 0.0f);
-    return mcv_choose_span(on ? !up : enter <= exit,
-                           mcv_choose_span(on, inside, mcv_span_of(enter, exit)), mcv_nowhere());
+    return mcv_either_span(on ? !up : enter <= exit,
+                           mcv_either_span(on, inside, mcv_span_of(enter, exit)), mcv_nowhere());
 }
 
 #endif

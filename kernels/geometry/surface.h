@@ -101,7 +101,7 @@ MCV_LOOP_FUNCTION mcv_surface mcv_surface_on(mcv_facet facet, float u, float v) 
     const mcv_vec3 n =
         mcv_normalize(mcv_interpolate(facet.normal_a, facet.normal_b, facet.normal_c, u, v));
     /* Opposite vertex normals may cancel, and those of a flat mesh are 0: ng then. */
-    surface.ns = mcv_choose(mcv_dot(n, n) > 0.5f, n, surface.ng);
+    surface.ns = mcv_either(mcv_dot(n, n) > 0.5f, n, surface.ng);
 #endif
     return surface;
 }
@@ -115,9 +115,9 @@ MCV_LOOP_FUNCTION mcv_surface mcv_surface_at(mcv_world world, uint triangle, flo
                    ng = mcv_moved_direction(motion, world.pose, surface.ng),
                    ns = mcv_moved_direction(motion, world.pose, surface.ns);
     const float error = moves ? mcv_moving_error(motion, world.pose, point) : 0.0f;
-    surface.point = mcv_choose(moves, point, surface.point);
-    surface.ng = mcv_choose(moves, ng, surface.ng);
-    surface.ns = mcv_choose(moves, ns, surface.ns);
+    surface.point = mcv_either(moves, point, surface.point);
+    surface.ng = mcv_either(moves, ng, surface.ng);
+    surface.ns = mcv_either(moves, ns, surface.ns);
     surface.error = mcv_add(surface.error, mcv_vec(error, error, error));
 #endif
     return surface;

@@ -84,17 +84,17 @@ MCV_LOOP_FUNCTION mcv_facets mcv_facets_of(mcv_world world, __global const mcv_d
     return two;
 }
 
-MCV_LOOP_FUNCTION mcv_facet mcv_choose_facet(int first, const mcv_facets *of) {
+MCV_LOOP_FUNCTION mcv_facet mcv_either_facet(int first, const mcv_facets *of) {
     mcv_facet facet;
-    facet.a = mcv_choose(first, of->first.a, of->second.a);
-    facet.b = mcv_choose(first, of->first.b, of->second.b);
-    facet.c = mcv_choose(first, of->first.c, of->second.c);
-    facet.ng = mcv_choose(first, of->first.ng, of->second.ng);
+    facet.a = mcv_either(first, of->first.a, of->second.a);
+    facet.b = mcv_either(first, of->first.b, of->second.b);
+    facet.c = mcv_either(first, of->first.c, of->second.c);
+    facet.ng = mcv_either(first, of->first.ng, of->second.ng);
     facet.area = first ? of->first.area : of->second.area;
 #if MCV_WITH_NORMALS
-    facet.normal_a = mcv_choose(first, of->first.normal_a, of->second.normal_a);
-    facet.normal_b = mcv_choose(first, of->first.normal_b, of->second.normal_b);
-    facet.normal_c = mcv_choose(first, of->first.normal_c, of->second.normal_c);
+    facet.normal_a = mcv_either(first, of->first.normal_a, of->second.normal_a);
+    facet.normal_b = mcv_either(first, of->first.normal_b, of->second.normal_b);
+    facet.normal_c = mcv_either(first, of->first.normal_c, of->second.normal_c);
 #endif
     facet.triangle = first ? of->first.triangle : of->second.triangle;
     facet.corners.x = first ? of->first.corners.x : of->second.corners.x;
@@ -126,7 +126,7 @@ MCV_LOOP_FUNCTION mcv_emitter_point mcv_point_on_rectangle(__global const mcv_de
     const int first = (least < other ? least : other) >= 0.0f;
     const float second_u = mcv_on_triangle(r->to_triangle[1], s, t),
                 second_v = mcv_on_triangle(r->to_triangle[1] + 3, s, t);
-    point.facet = mcv_choose_facet(first, of);
+    point.facet = mcv_either_facet(first, of);
     point.u = first ? u : second_u;
     point.v = first ? v : second_v;
     point.pmf = first ? of->first_pmf : of->second_pmf;

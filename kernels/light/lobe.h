@@ -42,12 +42,12 @@ MCV_LOOP_FUNCTION mcv_vec3 mcv_way_of_light(__global const mcv_device_emitter *e
 #if MCV_WITH_PARALLEL
     const int parallel = e->type == MCV_EMITTER_PARALLEL;
     const float sine = e->parallel.sin_half;
-    towards = mcv_choose(parallel, mcv_scale(mcv_vec_at(e->parallel.axis), -1.0f), towards);
+    towards = mcv_either(parallel, mcv_scale(mcv_vec_at(e->parallel.axis), -1.0f), towards);
     *spread = parallel ? sine * sine : *spread;
 #endif
 #if MCV_WITH_BEAM
     const int beam = e->type == MCV_EMITTER_COLLIMATED_BEAM;
-    towards = mcv_choose(beam, mcv_scale(mcv_vec_at(e->beam.axis), -1.0f), towards);
+    towards = mcv_either(beam, mcv_scale(mcv_vec_at(e->beam.axis), -1.0f), towards);
     *spread = beam ? 0.0f : *spread;
 #endif
     return towards;

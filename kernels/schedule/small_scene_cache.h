@@ -10,7 +10,7 @@
 #include "schedule/tile.h"
 
 #include "schedule/compact.h"
-#include "geometry/interaction.h"
+#include "geometry/path_interaction.h"
 #include "schedule/vectorize.h"
 
 /* Of moving parts places differ from path to path. */

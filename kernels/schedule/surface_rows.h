@@ -7,7 +7,7 @@
 
 #include "schedule/tile.h"
 
-#include "geometry/interaction.h"
+#include "geometry/path_interaction.h"
 #include "path/identity.h"
 #include "schedule/ranges.h"
 #include "schedule/small_scene_cache.h"

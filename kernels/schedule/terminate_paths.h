@@ -91,7 +91,7 @@ MCV_LOOP_FUNCTION uint mcv_shade_lamp_hits(mcv_world world, uint *apart, uint co
 #if MCV_WITH_RECTANGLE
         const int first = two && triangle == two->first.triangle;
         if (two)
-            facet = mcv_choose_facet(first, two);
+            facet = mcv_either_facet(first, two);
         else
 #endif
             facet = mcv_facet_of(world, triangle);

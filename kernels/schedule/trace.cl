@@ -8,7 +8,7 @@
 #include "stage/intersect_closest.h"
 #include "path/camera_path.h"
 #include "bsdf/bsdf.h"
-#include "geometry/interaction.h"
+#include "geometry/path_interaction.h"
 #include "geometry/precise.h"
 
 MCV_FUNCTION void mcv_write_vector(__global float *to, mcv_vec3 v) {

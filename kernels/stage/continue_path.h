@@ -3,7 +3,7 @@
 #ifndef MCVISI_KERNELS_CONTINUE_PATH_H
 #define MCVISI_KERNELS_CONTINUE_PATH_H
 
-#include "geometry/interaction.h"
+#include "geometry/path_interaction.h"
 #include "geometry/precise.h"
 #include "stage/path_class.h"
 
@@ -33,7 +33,7 @@ static void mcv_leave_precisely(mcv_world world, mcv_slot slot, const mcv_intera
 MCV_LOOP_FUNCTION void mcv_continue_ray(mcv_world world, mcv_slot slot,
                                         const mcv_interaction *interaction, mcv_shading shading,
                                         mcv_scattering on, mcv_color throughput, int skipped) {
-    const mcv_vec3 direction = mcv_choose(skipped, interaction->direction, on.direction);
+    const mcv_vec3 direction = mcv_either(skipped, interaction->direction, on.direction);
     MCV_STORE_3(slot, direction, direction);
     if (MCV_WITH_SURFACES)
         MCV_REPLACE_WORD(slot, origin_surface, 0, skipped,

@@ -14,7 +14,7 @@
 #define MCVISI_KERNELS_SAMPLE_EMITTERS_H
 
 #include "bsdf/shading.h"
-#include "geometry/interaction.h"
+#include "geometry/path_interaction.h"
 #include "light/direction.h"
 #include "light/emitter_element.h"
 #include "light/emission.h"

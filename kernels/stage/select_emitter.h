@@ -3,7 +3,7 @@
 #ifndef MCVISI_KERNELS_SELECT_EMITTER_H
 #define MCVISI_KERNELS_SELECT_EMITTER_H
 
-#include "geometry/interaction.h"
+#include "geometry/path_interaction.h"
 #include "light/light_path.h"
 #include "light/selection.h"
 #include "light/tree.h"
@@ -20,7 +20,7 @@ MCV_LOOP_FUNCTION void mcv_put_selection(mcv_slot slot, mcv_light_selection sele
 #if MCV_WITH_LIGHT_TREE
 /* The normal by which a walk through the light tree weighs emitters. */
 MCV_LOOP_FUNCTION mcv_vec3 mcv_walking_normal(mcv_vec3 normal, uint sides) {
-    return mcv_choose(sides == 2u, mcv_vec(0.0f, 0.0f, 0.0f), normal);
+    return mcv_either(sides == 2u, mcv_vec(0.0f, 0.0f, 0.0f), normal);
 }
 
 /* The same as mcv_put_selection, of a choice by the light tree. */

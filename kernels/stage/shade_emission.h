@@ -3,7 +3,7 @@
 #ifndef MCVISI_KERNELS_SHADE_EMISSION_H
 #define MCVISI_KERNELS_SHADE_EMISSION_H
 
-#include "geometry/interaction.h"
+#include "geometry/path_interaction.h"
 #include "light/emitter_element.h"
 #include "light/emission.h"
 #include "light/environment.h"

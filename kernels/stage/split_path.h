@@ -50,8 +50,8 @@ MCV_LOOP_FUNCTION mcv_split mcv_split_path(mcv_slot slot, float xi, mcv_color th
     mcv_split split;
     const int swaps = (other.chance > on.chance) |
                       ((other.chance == on.chance) & (other.event == MCV_EVENT_REFLECT));
-    const mcv_scattering likelier = mcv_choose_scattering(swaps, other, on);
-    split.other = mcv_choose_scattering(swaps, on, other);
+    const mcv_scattering likelier = mcv_either_scattering(swaps, other, on);
+    split.other = mcv_either_scattering(swaps, on, other);
     const float effort = MCV_SPLIT_EFFORT * mcv_average(throughput);
     const float wanted = split.other.chance * (effort > 1.0f ? effort : 1.0f);
     const float lives = wanted < 1.0f ? wanted : 1.0f;
@@ -67,7 +67,7 @@ MCV_LOOP_FUNCTION mcv_split mcv_split_path(mcv_slot slot, float xi, mcv_color th
         split.splits &= !(least < MCV_ROULETTE_WEIGHT * (1.0f - 8.0f * MCV_UNIT_ROUNDOFF));
         weight = lives < 1.0f ? xi < lives ? goes_on : 1.0f : weight;
     }
-    split.on = mcv_choose_scattering(split.splits, likelier, on);
+    split.on = mcv_either_scattering(split.splits, likelier, on);
     split.on.factor = mcv_dim(split.on.factor, split.splits ? weight : 1.0f);
     split.carried = mcv_dim(mcv_tint(throughput, split.other.factor), split.other.chance / lives);
     split.branch_lives = split.splits & (xi < lives) & (mcv_brightest(split.carried) > 0.0f);

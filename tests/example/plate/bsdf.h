@@ -4,7 +4,7 @@
 #ifndef MCVISI_KERNELS_FILTER_GLASS_H
 #define MCVISI_KERNELS_FILTER_GLASS_H
 
-#include "bsdf/sheet.h"
+#include "bsdf/plates.h"
 
 #if MCV_WITH_SHEET
 /*
@@ -33,7 +33,7 @@ MCV_FUNCTION mcv_scattering mcv_scatter_filter_glass(mcv_world world, mcv_intera
     if (most_reflected > 0.0f)
         reflected.factor = mcv_dim(reflected.factor, 1.0f / reflected.chance);
     if (most_passed > 0.0f) passed.factor = mcv_dim(passed.factor, 1.0f / passed.chance);
-    return mcv_choose_way(reflected, passed, xi < reflected.chance, other);
+    return mcv_either_way(reflected, passed, xi < reflected.chance, other);
 }
 #endif
 

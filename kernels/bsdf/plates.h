@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-/* Thin sheets and beam splitters: light passes them straight on. */
-#ifndef MCVISI_KERNELS_SHEET_H
-#define MCVISI_KERNELS_SHEET_H
+/* Plates without thickness, thin sheets and beam splitters: light passes them straight on. */
+#ifndef MCVISI_KERNELS_PLATES_H
+#define MCVISI_KERNELS_PLATES_H
 
 #include "bsdf/scattering.h"
 #include "path/media.h"
@@ -38,7 +38,7 @@ static mcv_scattering mcv_scatter_sheet(mcv_world world, mcv_interaction interac
     reflected.chance = mcv_sheet_reflectance(into, cosine);
     passed.chance = 1.0f - reflected.chance;
     passed.factor = mcv_material_color(world, interaction.surface, material);
-    return mcv_choose_way(reflected, passed, mcv_plate_reflects(reflected.chance, xi), other);
+    return mcv_either_way(reflected, passed, mcv_plate_reflects(reflected.chance, xi), other);
 }
 
 static mcv_scattering mcv_scatter_beam_splitter(mcv_world world, mcv_interaction interaction,
@@ -54,7 +54,7 @@ static mcv_scattering mcv_scatter_beam_splitter(mcv_world world, mcv_interaction
         reflected.factor.c[i] = reflected.chance > 0.0f ? m->color[i] / reflected.chance : 0.0f;
         passed.factor.c[i] = passed.chance > 0.0f ? m->passed[i] / passed.chance : 0.0f;
     }
-    return mcv_choose_way(reflected, passed, mcv_plate_reflects(m->chance, xi), other);
+    return mcv_either_way(reflected, passed, mcv_plate_reflects(m->chance, xi), other);
 }
 #endif
 
