@@ -566,8 +566,6 @@ static void test_precision(void **state) {
                    "--precision double", "--device 0");
 }
 
-/* The field of view of a light field camera is M macro pixels wide: with other macro pixels it must
- * see the panel alike. */
 /* Light field images are judged by their neighbours: all have the same noise unless it is asked
  * otherwise. */
 static void test_light_fields_are_uniform(void **state) {
@@ -580,6 +578,8 @@ static void test_light_fields_are_uniform(void **state) {
     assert_non_null(strstr(out, "samples on the average"));
 }
 
+/* The field of view of a light field camera is M macro pixels wide: with other macro pixels it must
+ * see the panel alike. */
 static void test_light_field_resolution(void **state) {
     (void)state;
     write_scene("s.gltf",
@@ -587,7 +587,7 @@ static void test_light_field_resolution(void **state) {
                 "0.01,\"lensDiameter\":\"1mm\","
                 "\"spatialResolution\":[24,16],\"angularResolution\":[2,2],\"pixelSize\":0.0002",
                 panel);
-    run_well("render s.gltf --spp 4 --resolution 12x8");
+    run_well("render s.gltf --spp 4 --resolution 12x8 --device reference");
     /* Focused on the panel: all 2 x 2 pixels of a macro pixel see its centre, so none sees the
      * edge. */
     expect_panel("s.exr", 24, 16);
@@ -606,11 +606,11 @@ static void test_several_sensors(void **state) {
              "{\"extensions\":{\"MCVISI_emitters\":{\"emitter\":0}}}]}",
              pinhole, pinhole);
     write_text("two.gltf", text);
-    run_well("render two.gltf --spp 4");
+    run_well("render two.gltf --spp 4 --device reference");
     expect_png("two-left.png", 24, 16);
     expect_png("two-a_b.png", 24, 16);
     assert_int_equal(count_files(), 5);
-    run_well("render two.gltf --spp 4 --sensor a/b -o only.exr");
+    run_well("render two.gltf --spp 4 --sensor a/b -o only.exr --device reference");
     expect_png("only.png", 24, 16);
     assert_int_equal(count_files(), 7);
 
@@ -732,7 +732,7 @@ static void test_check(void **state) {
     run_well("check s.gltf --html s.html");
     assert_int_equal(access("s.html", R_OK), 0);
     EXPECT_FAILURE("check s.gltf --html missing/s.html", 3, "missing/s.html");
-    run_well("render s.gltf --spp 4 --set nodes/1/rotation=[0,0,0,1]");
+    run_well("render s.gltf --spp 4 --set nodes/1/rotation=[0,0,0,1] --device reference");
     assert_ptr_equal(strstr(err, "mcvisi: error: emitter \"panel\" lights nothing"), err);
     assert_non_null(
         strstr(err, "mcvisi: warning: sensor \"cam\" looks at the back of emitter \"panel\""));
@@ -1764,30 +1764,6 @@ static void test_failed_render_withdraws_its_preview(void **state) {
     }
 }
 
-static void test_second_signal_ends_at_once(void **state) {
-    (void)state;
-    write_scene("s.gltf", pinhole, panel);
-    /* The reference ends after a row of the image. This one has two million paths in a white
-     * furnace: 7 s where it is fast, and the second signal comes 0.6 s after the first. */
-    const pid_t pid =
-        start("render " MCV_SOURCE_DIR "/scenes/furnace.glb -o s.exr --time 1000 --depth 1000 "
-              "--resolution 32768x1 --replicates 64 --device reference --threads 1");
-    assert_true(wait_for_handler(pid, SIGINT));
-    kill(pid, SIGINT);
-    /* Sooner, the second would count as the first one, sent twice (mcv_interrupt_watch). */
-    nanosleep(&(struct timespec){0, 600000000}, NULL);
-    kill(pid, SIGINT);
-    assert_int_equal(finish(pid), -SIGINT);
-    /* Beside the scene, the empty file of the lock, which nobody holds: the next render removes it.
-     */
-    struct stat lock;
-    assert_int_equal(count_files(), 2);
-    assert_int_equal(stat("s.checkpoint.lock", &lock), 0);
-    assert_int_equal(lock.st_size, 0);
-    run_well("render s.gltf --spp 4 --resolution 4x4 --device reference");
-    assert_int_equal(stat("s.checkpoint.lock", &lock), -1);
-}
-
 int main(void) {
 #define TEST(name) cmocka_unit_test_setup(name, fresh_folder)
     const struct CMUnitTest made[] = {
@@ -1811,7 +1787,6 @@ int main(void) {
         TEST(test_trace),
         TEST(test_failed_render_withdraws_its_preview),
         TEST(test_first_signal_saves),
-        TEST(test_second_signal_ends_at_once),
     };
     const struct CMUnitTest measured[] = {
         TEST(test_camera),
