@@ -78,7 +78,7 @@ MCV_LOOP_FUNCTION mcv_light_sample mcv_sample_parallel(mcv_world world, mcv_rece
     const mcv_vec3 in_cone = mcv_from_frame(mcv_sample_cone(e->parallel.sin_half, pair.x, pair.y),
                                             mcv_vec_at(e->parallel.axis));
     mcv_light_sample sample = mcv_light_sample_along(at, mcv_scale(in_cone, -1.0f), e->instance,
-                                                     e->probability / e->parallel.solid_angle);
+                                                     mcv_uniform_pdf(e, e->parallel.solid_angle));
     const int lit = mcv_may_hit(e, sample.origin, sample.direction);
     sample.radiance_over_pdf = mcv_radiance_over_pdf(e, lit, 1.0f, sample.pdf);
     (void)world;

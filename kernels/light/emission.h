@@ -141,6 +141,12 @@ MCV_LOOP_FUNCTION float mcv_triangle_pmf(mcv_world world, __global const mcv_dev
                        triangle - world.instances[e->instance].first_triangle);
 }
 
+/* The pdf [1/sr] of a direction of an emitter that is sampled uniform in a solid angle: a rectangle
+ * close by, a parallel emitter's cone. */
+MCV_LOOP_FUNCTION float mcv_uniform_pdf(__global const mcv_device_emitter *e, float solid_angle) {
+    return e->probability / solid_angle;
+}
+
 /* The density [1/sr] of directions to a place on an emitter at the given distance, chosen uniform
  * by area. */
 MCV_LOOP_FUNCTION float mcv_area_density(__global const mcv_device_emitter *e, float pmf,
@@ -171,21 +177,14 @@ MCV_LOOP_FUNCTION float mcv_density_towards(__global const mcv_device_emitter *e
 #if MCV_WITH_RECTANGLE
     if (rectangle) {
         const mcv_rectangle_view view = mcv_view_emitter(e, receiver);
-        density = mcv_samples_solid_angle(view) ? e->probability / view.solid_angle : density;
+        density = mcv_samples_solid_angle(view) ? mcv_uniform_pdf(e, view.solid_angle) : density;
     }
 #endif
 #if MCV_WITH_PARALLEL
-    const float cone = e->probability / e->parallel.solid_angle;
+    const float cone = mcv_uniform_pdf(e, e->parallel.solid_angle);
     density = mcv_samples_cone(e, receiver) ? cone : density;
 #endif
     return density;
-}
-
-MCV_FUNCTION float mcv_emitter_density(mcv_world world, mcv_vec3 receiver, mcv_surface surface,
-                                       uint emitter, mcv_vec3 direction, float distance) {
-    __global const mcv_device_emitter *e = world.emitters + emitter;
-    const float pmf = mcv_triangle_pmf(world, e, surface.primitive);
-    return mcv_density_towards(e, mcv_is_rectangle(e), pmf, receiver, surface, direction, distance);
 }
 #endif
 

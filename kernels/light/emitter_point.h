@@ -130,7 +130,7 @@ MCV_LOOP_FUNCTION mcv_emitter_point mcv_point_on_rectangle(__global const mcv_de
     point.u = first ? u : second_u;
     point.v = first ? v : second_v;
     point.pmf = first ? of->first_pmf : of->second_pmf;
-    point.density = close ? e->probability / view.solid_angle : 0.0f;
+    point.density = close ? mcv_uniform_pdf(e, view.solid_angle) : 0.0f;
     return point;
 }
 #endif

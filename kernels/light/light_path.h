@@ -41,7 +41,6 @@ MCV_LOOP_FUNCTION float mcv_etendue_of(__global const mcv_device_emitter *e, mcv
 MCV_FUNCTION float mcv_light_etendue(mcv_world world, mcv_surface surface, uint emitter,
                                      mcv_vec3 direction) {
     __global const mcv_device_emitter *e = world.emitters + emitter;
-    if (e->type == MCV_EMITTER_PROJECTOR) return e->light_inverse_pdf;
     const mcv_aiming aimed = mcv_aim_at(world.frame->balls, world.frame->ball_count, surface.point,
                                         mcv_emission_cone(e, surface.ns), direction);
     return mcv_etendue_of(e, aimed, surface.ng, direction);

@@ -25,7 +25,7 @@ MCV_LOOP_FUNCTION float mcv_power_heuristic(float own, float other) {
 /*
  * The pdf of the surface's own choice of a ray that has met an emitter, to be weighed against
  * p_light, the pdf of next-event estimation that takes emitters by power alone
- * (mcv_emitter_density). The surface takes this emitter `ratio` times as often: by the light tree
+ * (mcv_density_towards). The surface takes this emitter `ratio` times as often: by the light tree
  * exactly (mcv_tree_ratio), else by a surrogate (mcv_selection_ratio, mcv_light_selection). The
  * power heuristic depends on the quotient of the two pdfs alone, and p_bsdf/ratio : p_light =
  * p_bsdf : p_light * ratio. Here p_bsdf is divided; where the emitter is sampled p_light is
@@ -59,15 +59,32 @@ MCV_FUNCTION float mcv_light_path_mis_weight(mcv_world world, float etendue, flo
     return 1.0f / (1.0f + etendue / (world.frame->light_density * footprint));
 }
 
+/* Near-specular surfaces do not sample emitters whose light is brought by light paths, too: the
+ * path meets these by chance. There its class is CARRIED, and mcv_light_paths_find is 1. */
+MCV_LOOP_FUNCTION int mcv_leaves_to_light_paths(mcv_world world, mcv_slot slot, uint emitter,
+                                                int near_specular) {
+    if (!MCV_WITH_LIGHT_TRACING) return 0;
+    const uint path_class = MCV_WORD(slot, path_class, 0);
+    return near_specular &
+           ((path_class == MCV_PATH_CLASS_BROAD) | (path_class == MCV_PATH_CLASS_CARRIED)) &
+           mcv_has_light_paths(world, emitter);
+}
+
+/* Whether light paths bring, too, what this camera path has met of an emitter. The surface before
+ * has not sampled it: it was smooth, or has left it to light paths. */
+MCV_LOOP_FUNCTION int mcv_light_paths_find(mcv_world world, mcv_slot slot, uint emitter) {
+    if (!MCV_WITH_LIGHT_TRACING) return 0;
+    return (MCV_WORD(slot, path_class, 0) == MCV_PATH_CLASS_CARRIED) &
+           mcv_has_light_paths(world, emitter);
+}
+
 #if MCV_WITH_LIGHT_TRACING
 /* The weight of a camera path in what it has met of an emitter, along a unit direction: 1 minus
  * that of light paths, if there are any of its kind. */
 MCV_FUNCTION float mcv_camera_path_mis_weight(mcv_world world, mcv_slot slot, mcv_surface surface,
                                               mcv_vec3 direction, uint emitter) {
 #if MCV_WITH_EMISSION
-    if (MCV_WORD(slot, path_class, 0) != MCV_PATH_CLASS_CARRIED ||
-        !mcv_has_light_paths(world, emitter))
-        return 1.0f;
+    if (!mcv_light_paths_find(world, slot, emitter)) return 1.0f;
     const float etendue = mcv_light_etendue(world, surface, emitter, mcv_scale(direction, -1.0f));
     if (etendue > 0.0f)
         return 1.0f - mcv_light_path_mis_weight(world, etendue, MCV_LOAD(slot, footprint, 0));

@@ -32,9 +32,9 @@ MCV_BATCH void mcv_classify_light_hits(mcv_world world, mcv_slot slot, uint coun
         const uint class = classes[i];
         const int diffuse =
             (class == MCV_CLASS_DIFFUSE_TRIANGLE) | (class == MCV_CLASS_DIFFUSE_EXACT);
-        const int carried = (MCV_WORD(slot, light_flags, 0) & MCV_LIGHT_FLAG_CARRIED) != 0u;
-        classes[i] =
-            ((diffuse & !carried) | (class >= MCV_CLASS_BLACK)) ? (uint)MCV_CLASS_MISS : class;
+        /* It would end there: mcv_continue_light_path. */
+        const int ends = diffuse & mcv_is_left_to_next_event(MCV_WORD(slot, light_flags, 0));
+        classes[i] = (ends | (class >= MCV_CLASS_BLACK)) ? (uint)MCV_CLASS_MISS : class;
         MCV_STORE(slot, light_length, 0, MCV_LOAD(slot, light_length, 0) + MCV_LOAD(slot, hit, 0));
     }
     mcv_sort_paths(slot.base, classes, count, class_end);

@@ -98,12 +98,10 @@ MCV_LOOP_FUNCTION uint mcv_shade_lamp_hits(mcv_world world, uint *apart, uint co
         const mcv_surface there =
             mcv_surface_on(facet, MCV_LOAD(slot, hit, 1), MCV_LOAD(slot, hit, 2));
         const float sent = mcv_angular_profile(e, there.ng, there.ns, mcv_scale(direction, -1.0f));
-        mcv_emitter_hit met;
-        met.emitter = emitter;
-        met.emitter_element = mcv_first_emitter_element(world, emitter);
-        met.other = 0.0f;
+        mcv_emitter_hit met =
+            mcv_make_emitter_hit(emitter, mcv_first_emitter_element(world, emitter),
+                                 mcv_dim(mcv_color_at(e->radiance), sent));
         met.mis_weight = mis_weights[slot.index];
-        MCV_EACH_CHANNEL(c) met.radiance.c[c] = e->radiance[c] * sent;
 #if MCV_WITH_NEXT_EVENT
         float pmf;
 #if MCV_WITH_RECTANGLE
@@ -112,10 +110,9 @@ MCV_LOOP_FUNCTION uint mcv_shade_lamp_hits(mcv_world world, uint *apart, uint co
         else
 #endif
             pmf = mcv_triangle_pmf(world, e, triangle);
-        const float distance = MCV_LOAD(slot, hit, 0);
-        const mcv_vec3 receiver = mcv_along(there.point, -distance, direction);
         if (chosen)
-            met.other = mcv_density_towards(e, two != 0, pmf, receiver, there, direction, distance);
+            met.other =
+                mcv_other_density(e, two != 0, pmf, there, direction, MCV_LOAD(slot, hit, 0));
 #endif
 #if MCV_WITH_DISPERSION
         mcv_add_emission(mcv_in_channel(world, mcv_kept_channel(mcv_path_throughput(slot))), slot,

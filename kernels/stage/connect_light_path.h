@@ -45,6 +45,12 @@ MCV_LOOP_FUNCTION float mcv_within_range(__global const mcv_device_emitter *e, f
     return 1.0f;
 }
 
+/* Has the path met no smooth or near-specular surface yet? Next-event estimation covers light
+ * straight from the emitter: the path ends at the first other surface that scatters. */
+MCV_LOOP_FUNCTION int mcv_is_left_to_next_event(uint light_flags) {
+    return (light_flags & MCV_LIGHT_FLAG_CARRIED) == 0u;
+}
+
 /* Do camera paths alone bring the light of this surface? */
 MCV_LOOP_FUNCTION int mcv_is_left_to_camera(mcv_world world, mcv_interaction interaction,
                                             uint light_flags) {
@@ -66,7 +72,7 @@ MCV_FUNCTION int mcv_connect_light_path(mcv_world world, mcv_interaction interac
                                         mcv_light_path path, mcv_pair pair,
                                         mcv_connection *connection) {
     mcv_sensor_ray sensor_ray;
-    if (!(path.light_flags & MCV_LIGHT_FLAG_CARRIED) ||
+    if (mcv_is_left_to_next_event(path.light_flags) ||
         mcv_is_left_to_camera(world, interaction, path.light_flags) ||
         !world.materials[world.instances[interaction.surface.instance].material].scattering_sides)
         return 0;

@@ -4,7 +4,7 @@
 #define MCVISI_KERNELS_SELECT_EMITTER_H
 
 #include "geometry/path_interaction.h"
-#include "light/light_path.h"
+#include "light/mis.h"
 #include "light/selection.h"
 #include "light/tree.h"
 #include "path/identity.h"
@@ -62,17 +62,6 @@ MCV_FUNCTION uint mcv_pick_emitter(mcv_world world, mcv_slot slot, uint depth) {
     if (MCV_WITH_REACH && MCV_WITH_GLOSSY) MCV_STORE(slot, selection_here, 2, chance);
 #endif
     return emitter;
-}
-
-/* Near-specular surfaces do not sample emitters whose light is brought by light paths, too: the
- * path meets these by chance. */
-MCV_LOOP_FUNCTION int mcv_leaves_to_light_paths(mcv_world world, mcv_slot slot, uint emitter,
-                                                int near_specular) {
-    if (!MCV_WITH_LIGHT_TRACING) return 0;
-    const uint path_class = MCV_WORD(slot, path_class, 0);
-    return near_specular &
-           ((path_class == MCV_PATH_CLASS_BROAD) | (path_class == MCV_PATH_CLASS_CARRIED)) &
-           mcv_has_light_paths(world, emitter);
 }
 
 /* The emitter that the path samples, or MCV_NONE. */

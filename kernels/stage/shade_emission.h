@@ -37,15 +37,30 @@ typedef struct mcv_emitter_hit {
     float mis_weight; /* of camera paths against light paths */
 } mcv_emitter_hit;
 
+/* A hit, as if next-event estimation and light paths could not bring its light. */
+MCV_LOOP_FUNCTION mcv_emitter_hit mcv_make_emitter_hit(uint emitter, uint emitter_element,
+                                                       mcv_color radiance) {
+    const mcv_emitter_hit met = {radiance, emitter, emitter_element, 0.0f, 1.0f};
+    return met;
+}
+
+#if MCV_WITH_NEXT_EVENT
+/* mcv_emitter_hit.other, at the end of a ray of this length; rectangle, pmf: as of
+ * mcv_density_towards. */
+MCV_LOOP_FUNCTION float mcv_other_density(__global const mcv_device_emitter *e, int rectangle,
+                                          float pmf, mcv_surface there, mcv_vec3 direction,
+                                          float distance) {
+    const mcv_vec3 receiver = mcv_along(there.point, -distance, direction);
+    return mcv_density_towards(e, rectangle, pmf, receiver, there, direction, distance);
+}
+#endif
+
 /* Adds what the path has met, weighed against next-event estimation by the power heuristic. */
 MCV_LOOP_FUNCTION void mcv_add_emission(mcv_world world, mcv_slot slot,
                                         const mcv_emitter_hit *met) {
     mcv_color emitted = mcv_basic_radiance(world, met->radiance, mcv_path_media(slot));
     if (MCV_WITH_NEXT_EVENT) {
-        /* Near-specular surfaces have not sampled it (mcv_leaves_to_light_paths). */
-        const int carried =
-            MCV_WITH_LIGHT_TRACING && (MCV_WORD(slot, path_class, 0) == MCV_PATH_CLASS_CARRIED) &
-                                          mcv_has_light_paths(world, met->emitter);
+        const int carried = mcv_light_paths_find(world, slot, met->emitter);
         const float density =
                         mcv_bsdf_pdf_over_ratio(world, slot, met->emitter, mcv_path_density(slot)),
                     own = carried ? 0.0f : density, weight = mcv_power_heuristic(own, met->other);
@@ -55,23 +70,21 @@ MCV_LOOP_FUNCTION void mcv_add_emission(mcv_world world, mcv_slot slot,
     mcv_add_radiance(world, slot, mcv_dim(emitted, met->mis_weight), met->emitter_element);
 }
 
-/* Adds what a surface emits that the path has met. */
+/* Adds what a surface emits that the path has met. mcv_shade_lamp_hits does the same for a row of
+ * paths that have met one lamp, whose data it reads once. */
 static void mcv_shade_emitter_hit(mcv_world world, mcv_slot slot, mcv_interaction interaction) {
     const uint emitter = world.instances[interaction.surface.instance].emitter;
     if (emitter == MCV_NONE) return;
-    mcv_emitter_hit met;
-    const mcv_vec3 back = mcv_scale(interaction.direction, -1.0f);
-    met.radiance = mcv_emitted(world, interaction.surface, emitter, back);
-    met.emitter = emitter;
-    met.emitter_element = mcv_emitter_element_of(world, emitter, interaction.surface, back);
-    met.other = 0.0f;
-    met.mis_weight = 1.0f;
+    const mcv_surface there = interaction.surface;
+    const mcv_vec3 direction = interaction.direction, back = mcv_scale(direction, -1.0f);
+    mcv_emitter_hit met =
+        mcv_make_emitter_hit(emitter, mcv_emitter_element_of(world, emitter, there, back),
+                             mcv_emitted(world, there, emitter, back));
 #if MCV_WITH_NEXT_EVENT
-    const float distance = MCV_LOAD(slot, hit, 0);
-    const mcv_vec3 receiver =
-        mcv_along(interaction.surface.point, -distance, interaction.direction);
-    met.other = mcv_emitter_density(world, receiver, interaction.surface, emitter,
-                                    interaction.direction, distance);
+    __global const mcv_device_emitter *e = world.emitters + emitter;
+    met.other =
+        mcv_other_density(e, mcv_is_rectangle(e), mcv_triangle_pmf(world, e, there.primitive),
+                          there, direction, MCV_LOAD(slot, hit, 0));
 #endif
 #if MCV_WITH_LIGHT_TRACING
     met.mis_weight = mcv_camera_path_mis_weight(world, slot, interaction.surface,

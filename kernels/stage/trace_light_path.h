@@ -66,7 +66,7 @@ MCV_LOOP_FUNCTION int mcv_continue_light_path(mcv_world world, const mcv_interac
                                               mcv_shading shading, mcv_scattering on, uint depth,
                                               float xi, mcv_light_path *path) {
     const uint before = path->light_flags;
-    const int carried = (before & MCV_LIGHT_FLAG_CARRIED) != 0u,
+    const int carried = !mcv_is_left_to_next_event(before),
               open = (before & MCV_LIGHT_FLAG_OPEN) != 0u;
     const int scatters = on.density > 0.0f,
               parts = scatters & !(open & mcv_is_near_specular(world, *interaction));
@@ -97,7 +97,7 @@ MCV_FUNCTION int mcv_shade_any_light_hit(mcv_world world, mcv_interaction intera
                                          uint *unmatched, mcv_light_path *path) {
     mcv_scattering other;
     /* It would end there: mcv_continue_light_path. */
-    if (!(path->light_flags & MCV_LIGHT_FLAG_CARRIED) && mcv_has_broad_lobe(world, interaction))
+    if (mcv_is_left_to_next_event(path->light_flags) && mcv_has_broad_lobe(world, interaction))
         return 0;
     const mcv_scattering on =
         mcv_scatter(world, interaction, path->media, pair, choice.x, 0, unmatched, &other);

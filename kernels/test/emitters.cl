@@ -35,7 +35,10 @@ static void mcv_shade_emitter_hit(mcv_world world, mcv_vec3 receiver, mcv_vec3 d
     const mcv_surface there = mcv_surface_at(world, hit.primitive, hit.u, hit.v);
     met[0] = mcv_abs(mcv_dot(direction, there.ng));
     met[1] = mcv_emitted(world, there, emitter, mcv_scale(direction, -1.0f)).c[0];
-    met[2] = mcv_emitter_density(world, receiver, there, emitter, direction, hit.t);
+    __global const mcv_device_emitter *e = world.emitters + emitter;
+    met[2] =
+        mcv_density_towards(e, mcv_is_rectangle(e), mcv_triangle_pmf(world, e, there.primitive),
+                            receiver, there, direction, hit.t);
 #endif
 }
 
