@@ -38,7 +38,8 @@ MCV_FUNCTION mcv_world mcv_in_channel(mcv_world world, uint channel) {
 }
 
 /* Keeps one channel of a throughput at a dielectric, by what is carried; the world as the path's
- * light meets it. `stream` and `sample` are the path's, of either kind. */
+ * light meets it. `stream` and `sample` are the path's, of either kind. mcv_disperse calls it at
+ * the surface that a camera path has met, and therefore is in geometry/path_interaction.h. */
 MCV_FUNCTION mcv_world mcv_disperse_at(mcv_world world, uint instance, uint stream, uint sample,
                                        mcv_color carried, mcv_color *throughput) {
     if (world.instances[instance].medium != 0u) {

@@ -23,10 +23,10 @@
  */
 MCV_LOOP_FUNCTION float mcv_flux_correction(mcv_interaction interaction, mcv_vec3 out) {
 #if MCV_WITH_NORMALS
-    const float in_face = mcv_dot(interaction.direction, interaction.ng);
-    const float out_normal = mcv_dot(out, interaction.ns);
+    const float in_ng = mcv_dot(interaction.direction, interaction.ng);
+    const float out_ns = mcv_dot(out, interaction.ns);
     const float factor = mcv_dot(interaction.direction, interaction.ns) *
-                         mcv_dot(out, interaction.ng) / (in_face * out_normal);
+                         mcv_dot(out, interaction.ng) / (in_ng * out_ns);
     return factor > 0.0f && factor < INFINITY ? factor : 0.0f;
 #else
     (void)interaction, (void)out;

@@ -9,7 +9,7 @@
 #if MCV_WITH_REFLECTOR
 /*
  * What comes from a unit direction: f cosθ by channel, and the density with which mcv_scatter_… of
- * this material chooses that direction. The normal and the face lie on the side of the path: light
+ * this material chooses that direction. The normals ns and ng lie on the side of the path: light
  * comes from behind both. The film is thin: the media are the same there.
  */
 MCV_FUNCTION mcv_response mcv_respond_diffusing_film(mcv_world world, mcv_interaction interaction,

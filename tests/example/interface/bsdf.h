@@ -9,7 +9,7 @@
 #if MCV_WITH_REFLECTOR
 /*
  * What comes from a unit direction, as a share of L/n²: f cosθ by channel, and the density with
- * which mcv_scatter_… of this material chooses that direction. The normal and the face lie on the
+ * which mcv_scatter_… of this material chooses that direction. The normals ns and ng lie on the
  * side of the path. mcv_cross_surface knows the media of both sides and their indices; a direction
  * beyond the surface is in those behind it. A path carries L/n², so that light from beyond is
  * scattered with the transmittance of the path's own side.

@@ -10,8 +10,8 @@
 #if MCV_WITH_REFLECTOR
 /*
  * What comes from a unit direction: f cosθ by channel, and the density with which mcv_scatter_… of
- * this material chooses that direction. Emitters are sampled with it. The normal lies on the side
- * of the path. Where it and the triangle's face disagree on the direction's side nothing comes.
+ * this material chooses that direction. Emitters are sampled with it. The shading normal ns lies on
+ * the side of the path. Where it and ng disagree on the direction's side nothing comes.
  */
 MCV_FUNCTION mcv_response mcv_respond_lunar_lambert(mcv_world world, mcv_interaction interaction,
                                                     uint material, uint media, mcv_vec3 direction) {
