@@ -46,13 +46,21 @@ MCV_FUNCTION mcv_identity mcv_identify(mcv_world world, uint path) {
     return id;
 }
 
-/* A pair of random numbers of the surface that a path has met, the depth-th one. The tile schedule
- * has drawn it there (mcv_draw_pairs), and keeps none of other depths. */
+#if MCV_TILE
+/* A pair that the tile schedule has drawn for the surface that a path has met (mcv_draw_pairs). It
+ * keeps none of other depths. */
+MCV_LOOP_FUNCTION mcv_pair mcv_drawn(mcv_slot slot, uint use) {
+    const mcv_pair drawn = {MCV_LOAD(slot, drawn, 2u * use), MCV_LOAD(slot, drawn, 2u * use + 1u)};
+    return drawn;
+}
+#endif
+
+/* A pair of random numbers of the surface that a path has met, the depth-th one. In the tile
+ * schedule that is the depth whose pairs have been drawn. */
 MCV_LOOP_FUNCTION mcv_pair mcv_draw(mcv_slot slot, uint depth, uint use) {
 #if MCV_TILE
-    const mcv_pair drawn = {MCV_LOAD(slot, drawn, 2u * use), MCV_LOAD(slot, drawn, 2u * use + 1u)};
     (void)depth;
-    return drawn;
+    return mcv_drawn(slot, use);
 #else
     return mcv_sample_pair(MCV_WORD(slot, stream, 0), MCV_WORD(slot, sample, 0),
                            MCV_SURFACE_PAIR(depth, use));

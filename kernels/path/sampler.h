@@ -15,6 +15,14 @@
 /* Pairs of the sensor, then a group per surface the path meets. */
 enum { MCV_PAIR_PIXEL, MCV_PAIR_APERTURE, MCV_PAIR_SURFACES };
 enum { MCV_PAIR_SCATTER, MCV_PAIR_EMITTER, MCV_PAIR_CHOICE, MCV_PAIR_STRIDE };
+/* What light paths take the same pairs for: the emitter, as surface 0, and a point of the lens on
+ * each surface. */
+enum {
+    MCV_PAIR_LIGHT_EMITTER = MCV_PAIR_CHOICE,
+    MCV_PAIR_LIGHT_PLACE = MCV_PAIR_EMITTER,
+    MCV_PAIR_LIGHT_DIRECTION = MCV_PAIR_SCATTER,
+    MCV_PAIR_LIGHT_LENS = MCV_PAIR_EMITTER
+};
 #define MCV_PAIR_CHANNEL 0xffffffffu /* drawn once */
 #define MCV_PAIR_TIME 0xfffffffeu    /* of sensors that move */
 #define MCV_SURFACE_PAIR(depth, use) \

@@ -71,9 +71,9 @@ MCV_LOOP_FUNCTION uint mcv_shade_light_path(mcv_world world, mcv_slot slot,
 MCV_BATCH uint mcv_begin_light_paths(mcv_world world, mcv_slot slot, uint count) {
     uint sends[MCV_ROW], begun[MCV_SLOTS];
     for (slot.index = 0; slot.index < count; ++slot.index) {
-        const mcv_light_path path = mcv_begin_light_path(world, mcv_draw(slot, 0, MCV_PAIR_CHOICE),
-                                                         mcv_draw(slot, 0, MCV_PAIR_EMITTER),
-                                                         mcv_draw(slot, 0, MCV_PAIR_SCATTER));
+        const mcv_light_path path = mcv_begin_light_path(
+            world, mcv_drawn(slot, MCV_PAIR_LIGHT_EMITTER), mcv_drawn(slot, MCV_PAIR_LIGHT_PLACE),
+            mcv_drawn(slot, MCV_PAIR_LIGHT_DIRECTION));
         mcv_store_light_path(slot, path);
         sends[slot.index] = (uint)(mcv_brightest(path.flux) > 0.0f);
     }
@@ -99,9 +99,9 @@ MCV_BATCH uint mcv_fill_light_slice(mcv_world world, mcv_slot slot, uint *next, 
         MCV_WORD(slot, light_replicate, 0) = id.replicate;
         ++*next;
     }
-    mcv_draw_pairs(slot.base, 0, count, 0, MCV_PAIR_CHOICE);
-    mcv_draw_pairs(slot.base, 0, count, 0, MCV_PAIR_EMITTER);
-    mcv_draw_pairs(slot.base, 0, count, 0, MCV_PAIR_SCATTER);
+    mcv_draw_pairs(slot.base, 0, count, 0, MCV_PAIR_LIGHT_EMITTER);
+    mcv_draw_pairs(slot.base, 0, count, 0, MCV_PAIR_LIGHT_PLACE);
+    mcv_draw_pairs(slot.base, 0, count, 0, MCV_PAIR_LIGHT_DIRECTION);
     return mcv_begin_light_paths(world, slot, count);
 }
 #endif

@@ -48,7 +48,7 @@ MCV_BATCH void mcv_splat_light_paths(mcv_world world, mcv_slot slot, uint first,
     for (slot.index = first; slot.index < last; ++slot.index)
         mcv_splat_light_path(world, mcv_make_interaction(world, slot), mcv_load_light_path(slot),
                              MCV_WORD(slot, light_replicate, 0), depth,
-                             mcv_draw(slot, depth, MCV_PAIR_EMITTER),
+                             mcv_draw(slot, depth, MCV_PAIR_LIGHT_LENS),
                              mcv_draw(slot, depth, MCV_PAIR_CHOICE).x, splats, counts);
 }
 
@@ -91,7 +91,7 @@ MCV_BATCH void mcv_trace_light_slices(mcv_world world, uint first, uint last, __
             mcv_classify_light_hits(world, slot, alive, class_end, &glossy_material);
             alive = class_end[MCV_LAST_CLASS];
             mcv_draw_pairs(paths, 0, alive, depth, MCV_PAIR_CHOICE);
-            mcv_draw_pairs(paths, class_end[MCV_LAST_SMOOTH], alive, depth, MCV_PAIR_EMITTER);
+            mcv_draw_pairs(paths, class_end[MCV_LAST_SMOOTH], alive, depth, MCV_PAIR_LIGHT_LENS);
             mcv_splat_light_paths(world, slot, class_end[MCV_LAST_SMOOTH], alive, depth, splats,
                                   counts);
             mcv_draw_pairs(paths, 0, alive, depth, MCV_PAIR_SCATTER);

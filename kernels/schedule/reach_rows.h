@@ -108,8 +108,8 @@ MCV_BATCH void mcv_select_even_block(mcv_world world, mcv_slot slot, uint first,
 
 /* mcv_select_emitter for the paths in the slots first … last - 1, whose surfaces have no lobes and
  * scatter light on so many sides. */
-MCV_BATCH void mcv_select_rows(mcv_world world, mcv_slot slot, uint first, uint last,
-                               const uint *sides) {
+MCV_BATCH void mcv_select_by_reach_rows(mcv_world world, mcv_slot slot, uint first, uint last,
+                                        const uint *sides) {
     for (uint begin = first; begin < last; begin += MCV_SELECTION_BLOCK)
         mcv_select_even_block(world, slot, begin, min(begin + MCV_SELECTION_BLOCK, last), sides);
 }
@@ -125,7 +125,7 @@ MCV_BATCH void mcv_select_glossy_block(mcv_world world, mcv_slot slot, uint firs
 MCV_LOOP_FUNCTION void mcv_select_glossy_range(mcv_world world, mcv_slot slot, uint first,
                                                uint last, mcv_shading shading, const uint *sides) {
     if (shading.type == MCV_MATERIAL_DIELECTRIC) {
-        mcv_select_rows(world, slot, first, last, sides);
+        mcv_select_by_reach_rows(world, slot, first, last, sides);
         return;
     }
     for (uint begin = first; begin < last; begin += MCV_SELECTION_BLOCK) {

@@ -22,7 +22,7 @@ MCV_BATCH void mcv_find_sky_pixels(mcv_world world, mcv_slot slot,
         MCV_VECTORIZE
         for (uint i = 0; i < count; ++i) {
             slot.index = chosen[i];
-            const mcv_pair drawn = mcv_draw(slot, 0, MCV_PAIR_EMITTER);
+            const mcv_pair drawn = mcv_drawn(slot, MCV_PAIR_EMITTER);
             rows[i] = mcv_cdf_step(world.emitter_cdf + e->cdf, height, rows[i], digit,
                                    mcv_sky_row_bits(drawn));
         }
@@ -31,7 +31,7 @@ MCV_BATCH void mcv_find_sky_pixels(mcv_world world, mcv_slot slot,
         MCV_VECTORIZE
         for (uint i = 0; i < count; ++i) {
             slot.index = chosen[i];
-            const mcv_pair drawn = mcv_draw(slot, 0, MCV_PAIR_EMITTER);
+            const mcv_pair drawn = mcv_drawn(slot, MCV_PAIR_EMITTER);
             columns[i] = mcv_cdf_step(mcv_environment_row(world, e, rows[i]), width, columns[i],
                                       digit, mcv_sky_column_bits(drawn));
         }
@@ -51,9 +51,10 @@ MCV_BATCH void mcv_sample_sky_rows(mcv_world world, mcv_slot slot, uint emitter,
         mcv_pixel pixel;
         pixel.row = rows[i];
         pixel.column = columns[i];
-        mcv_put_shadow(
-            world, slot, at, emitter,
-            mcv_sample_sky_pixel(world, at, e, pixel, mcv_draw(slot, 0, MCV_PAIR_EMITTER)));
+        const mcv_light_sample sample =
+            mcv_sample_sky_pixel(world, at, e, pixel, mcv_drawn(slot, MCV_PAIR_EMITTER));
+        mcv_store_light_sample(world, slot, emitter,
+                               mcv_apply_selection(world, slot, at.point, emitter, sample));
     }
 }
 #endif
@@ -73,9 +74,10 @@ MCV_LOOP_FUNCTION void mcv_sample_direction_row(mcv_world world, mcv_slot slot, 
     for (uint i = 0; i < count; ++i) {
         slot.index = row ? first + i : chosen[i];
         const mcv_receiver at = mcv_receiver_of(mcv_make_interaction(world, slot));
-        mcv_put_shadow(
-            world, slot, at, emitter,
-            mcv_sample_direction(world, at, e, type, mcv_draw(slot, 0, MCV_PAIR_EMITTER)));
+        const mcv_light_sample sample =
+            mcv_sample_direction(world, at, e, type, mcv_drawn(slot, MCV_PAIR_EMITTER));
+        mcv_store_light_sample(world, slot, emitter,
+                               mcv_apply_selection(world, slot, at.point, emitter, sample));
     }
 }
 

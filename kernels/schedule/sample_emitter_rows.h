@@ -30,8 +30,10 @@
 MCV_BATCH void mcv_sample_emitter_alone(mcv_world world, mcv_slot slot) {
     const mcv_receiver at = mcv_receiver_of(mcv_make_interaction(world, slot));
     const uint emitter = MCV_WORD(slot, emitter, 0);
-    mcv_put_shadow(world, slot, at, emitter,
-                   mcv_sample_towards(world, at, emitter, mcv_draw(slot, 0, MCV_PAIR_EMITTER)));
+    const mcv_light_sample sample =
+        mcv_sample_towards(world, at, emitter, mcv_drawn(slot, MCV_PAIR_EMITTER));
+    mcv_store_light_sample(world, slot, emitter,
+                           mcv_apply_selection(world, slot, at.point, emitter, sample));
 }
 #endif
 
@@ -52,7 +54,7 @@ MCV_LOOP_FUNCTION void mcv_sample_point_row(mcv_world world, mcv_slot slot, uint
     for (uint i = 0; i < count; ++i) {
         slot.index = row ? first + i : chosen[i];
         const mcv_receiver at = mcv_receiver_of(mcv_make_interaction(world, slot));
-        const mcv_pair pair = mcv_draw(slot, 0, MCV_PAIR_EMITTER);
+        const mcv_pair pair = mcv_drawn(slot, MCV_PAIR_EMITTER);
         mcv_emitter_point point;
         mcv_surface there;
 #if MCV_WITH_RECTANGLE
@@ -62,7 +64,8 @@ MCV_LOOP_FUNCTION void mcv_sample_point_row(mcv_world world, mcv_slot slot, uint
 #endif
             point = mcv_point_on_mesh(world, e, found[i], pair);
         const mcv_light_sample sample = mcv_sample_point(at, e, point, &there);
-        mcv_put_shadow(world, slot, at, emitter, sample);
+        mcv_store_light_sample(world, slot, emitter,
+                               mcv_apply_selection(world, slot, at.point, emitter, sample));
 #if MCV_WITH_TEXTURE
         /* For mcv_light_points. */
         MCV_WORD(slot, place, 0) = there.primitive;
@@ -86,9 +89,9 @@ MCV_LOOP_FUNCTION void mcv_light_point_row(mcv_world world, mcv_slot slot, uint 
             world, MCV_WORD(slot, place, 0), MCV_LOAD(slot, place, 1), MCV_LOAD(slot, place, 2));
         mcv_light_sample sample = mcv_load_light_sample(slot);
         sample.pdf = MCV_LOAD(slot, place, 3);
-        mcv_put_shadow(
-            world, slot, at, emitter,
-            mcv_light_sample_by_image(world, at.point, there, emitter, sample, by_pixel));
+        sample = mcv_light_sample_by_image(world, at.point, there, emitter, sample, by_pixel);
+        mcv_store_light_sample(world, slot, emitter,
+                               mcv_apply_selection(world, slot, at.point, emitter, sample));
     }
 }
 

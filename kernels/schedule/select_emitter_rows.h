@@ -21,7 +21,7 @@ MCV_BATCH void mcv_search_cdf_rows(__global const uint *cdf, uint count, mcv_slo
         MCV_VECTORIZE
         for (uint i = 0; i < chosen_count; ++i) {
             slot.index = chosen[i];
-            const mcv_pair drawn = mcv_draw(slot, 0, use);
+            const mcv_pair drawn = mcv_drawn(slot, use);
             found[i] = mcv_cdf_step(cdf, count, found[i], digit, mcv_cdf_bits(drawn.x, drawn.y));
         }
     }
@@ -58,15 +58,15 @@ MCV_BATCH void mcv_begin_walks(mcv_world world, mcv_slot slot, uint first, uint 
                                mcv_walk_rows *walks) {
     for (uint i = first; i < last; ++i) {
         slot.index = i;
-        const mcv_pair choice = mcv_draw(slot, 0, MCV_PAIR_CHOICE);
+        const mcv_pair choice = mcv_drawn(slot, MCV_PAIR_CHOICE);
         mcv_keep_walk(walks, i, mcv_begin_walk(world, choice.x, choice.y));
     }
 }
 
-/* mcv_select_by_tree for the paths in the slots first … last - 1, step by step; sides as in the
- * other mcv_select_rows. */
-MCV_BATCH void mcv_select_rows(mcv_world world, mcv_slot slot, uint first, uint last,
-                               const uint *sides) {
+/* mcv_select_by_tree for the paths in the slots first … last - 1, step by step; sides as in
+ * mcv_select_by_reach_rows. */
+MCV_BATCH void mcv_select_by_tree_rows(mcv_world world, mcv_slot slot, uint first, uint last,
+                                       const uint *sides) {
     mcv_walk_rows walks;
     mcv_begin_walks(world, slot, first, last, &walks);
     MCV_VECTORIZE
@@ -97,6 +97,16 @@ MCV_BATCH void mcv_select_rows(mcv_world world, mcv_slot slot, uint first, uint 
 #endif
 
 #if MCV_WITH_REACH || MCV_WITH_LIGHT_TREE
+/* By the light tree where the scene has one, else by what reaches surfaces without lobes. */
+MCV_FUNCTION void mcv_select_rows(mcv_world world, mcv_slot slot, uint first, uint last,
+                                  const uint *sides) {
+#if MCV_WITH_LIGHT_TREE
+    mcv_select_by_tree_rows(world, slot, first, last, sides);
+#else
+    mcv_select_by_reach_rows(world, slot, first, last, sides);
+#endif
+}
+
 /* mcv_choose_emitter for the paths in the slots first … last - 1 on surfaces of any kind. */
 MCV_BATCH void mcv_select_any_emitters(mcv_world world, mcv_slot slot, uint first, uint last) {
     uint materials[MCV_ROW], sides[MCV_ROW];
@@ -132,6 +142,7 @@ MCV_BATCH void mcv_select_any_emitters(mcv_world world, mcv_slot slot, uint firs
     }
 }
 #else
+/* The depth does not matter: the pairs are drawn. */
 MCV_BATCH void mcv_select_any_emitters(mcv_world world, mcv_slot slot, uint first, uint last) {
     for (slot.index = first; slot.index < last; ++slot.index)
         MCV_WORD(slot, emitter, 0) = mcv_choose_emitter(world, slot, 0);
@@ -159,8 +170,8 @@ MCV_BATCH void mcv_select_plain_emitters(mcv_world world, mcv_slot slot, const u
                                   : 1u;
     for (uint i = first; i < last; ++i)
         sides[i] = i >= glossy_first && i < glossy_last ? glossy_sides : 1u;
-    mcv_select_rows(world, slot, first, glossy_first, sides);
-    mcv_select_rows(world, slot, glossy_last, last, sides);
+    mcv_select_by_reach_rows(world, slot, first, glossy_first, sides);
+    mcv_select_by_reach_rows(world, slot, glossy_last, last, sides);
 #define MCV_SELECT(bsdf, begin, end, shading) \
     if (bsdf == MCV_SHADING_GLOSSY) \
         mcv_select_glossy_range(world, slot, begin, end, shading, sides);

@@ -78,11 +78,10 @@ MCV_LOOP_FUNCTION mcv_light_sample mcv_apply_selection(mcv_world world, mcv_slot
     return sample;
 }
 
-/* Keeps what comes to a path from the emitter that it has chosen; returns it as that choice has it.
- */
-MCV_LOOP_FUNCTION mcv_light_sample mcv_put_shadow(mcv_world world, mcv_slot slot, mcv_receiver at,
-                                                  uint emitter, mcv_light_sample sample) {
-    sample = mcv_apply_selection(world, slot, at.point, emitter, sample);
+/* Makes a sample of the chosen emitter the shadow ray of a path. The tile schedule keeps the light
+ * and the pdf, too, until a loop makes shadow rays of them (mcv_load_light_sample). */
+MCV_LOOP_FUNCTION void mcv_store_light_sample(mcv_world world, mcv_slot slot, uint emitter,
+                                              mcv_light_sample sample) {
     MCV_STORE_3(slot, shadow_origin, sample.origin);
     MCV_STORE_3(slot, shadow_direction, sample.direction);
     MCV_WORD(slot, shadow_target, 0) = sample.target;
@@ -94,7 +93,6 @@ MCV_LOOP_FUNCTION mcv_light_sample mcv_put_shadow(mcv_world world, mcv_slot slot
         MCV_STORE_COLOR(slot, shadow_light, sample.radiance_over_pdf);
         MCV_STORE(slot, shadow_density, 0, sample.pdf);
     }
-    return sample;
 }
 
 /* mcv_respond for a surface of a kind that is known. */
@@ -162,9 +160,10 @@ MCV_FUNCTION int mcv_sample_emitter(mcv_world world, mcv_slot slot, uint depth) 
     if (emitter == MCV_NONE) return 0;
     const mcv_interaction interaction = mcv_make_interaction(world, slot);
     const mcv_receiver at = mcv_receiver_of(interaction);
-    const mcv_light_sample sample = mcv_put_shadow(
-        world, slot, at, emitter,
+    const mcv_light_sample sample = mcv_apply_selection(
+        world, slot, at.point, emitter,
         mcv_sample_towards(world, at, emitter, mcv_draw(slot, depth, MCV_PAIR_EMITTER)));
+    mcv_store_light_sample(world, slot, emitter, sample);
     return mcv_make_shadow_ray(world, slot, &interaction, mcv_any_shading(), sample);
 }
 #endif

@@ -121,9 +121,9 @@ MCV_FUNCTION void mcv_trace_light_path(mcv_world world, uint index, __global uin
                                        uint counts[MCV_COUNTER_COUNT]) {
     mcv_light_identity id;
     if (!mcv_identify_light(world.frame, index, &id)) return;
-    mcv_light_path path = mcv_begin_light_path(world, mcv_light_pair(id, 0, MCV_PAIR_CHOICE),
-                                               mcv_light_pair(id, 0, MCV_PAIR_EMITTER),
-                                               mcv_light_pair(id, 0, MCV_PAIR_SCATTER));
+    mcv_light_path path = mcv_begin_light_path(world, mcv_light_pair(id, 0, MCV_PAIR_LIGHT_EMITTER),
+                                               mcv_light_pair(id, 0, MCV_PAIR_LIGHT_PLACE),
+                                               mcv_light_pair(id, 0, MCV_PAIR_LIGHT_DIRECTION));
     if (!(mcv_brightest(path.flux) > 0.0f)) return;
 
     for (uint depth = 1; depth < world.frame->depth; ++depth) {
@@ -151,7 +151,8 @@ MCV_FUNCTION void mcv_trace_light_path(mcv_world world, uint index, __global uin
 #endif
 #if MCV_WITH_NEXT_EVENT
         mcv_splat_light_path(seen, interaction, path, id.replicate, depth,
-                             mcv_light_pair(id, depth, MCV_PAIR_EMITTER), choice.x, splats, counts);
+                             mcv_light_pair(id, depth, MCV_PAIR_LIGHT_LENS), choice.x, splats,
+                             counts);
 #endif
         const mcv_pair pair = mcv_light_pair(id, depth, MCV_PAIR_SCATTER);
         if (!mcv_shade_any_light_hit(seen, interaction, pair, choice, depth,
