@@ -21,7 +21,7 @@
 #define MCV_JOIN(a, b, c) MCV_JOIN_3(a, b, c)
 
 /* Light that enters a lens by itself, which no camera ray meets. */
-#define MCV_WITH_BEAMS (MCV_WITH_BEAM || MCV_WITH_LASER)
+#define MCV_HAS_BEAMS (MCV_WITH_BEAM || MCV_WITH_LASER)
 
 /* An item of a list where the scene has a feature, MCV_WITH_…; else nothing. */
 #define MCV_WHERE_0(item)

@@ -12,9 +12,9 @@
 
 /* Whether the tile schedule sets paths on surfaces of these kinds side by side: diffuse or glossy
  * ones, smooth bodies. */
-#define MCV_WITH_PLAIN \
+#define MCV_HAS_PLAIN \
     ((MCV_WITH_DIFFUSE || MCV_WITH_GLOSSY) && MCV_OFFSETS_TOGETHER && !MCV_WITH_DISPERSION)
-#define MCV_WITH_SMOOTH (MCV_WITH_DIELECTRIC && MCV_OFFSETS_TOGETHER && !MCV_WITH_DISPERSION)
+#define MCV_HAS_SMOOTH (MCV_WITH_DIELECTRIC && MCV_OFFSETS_TOGETHER && !MCV_WITH_DISPERSION)
 
 /* What becomes of a path at a surface. MCV_UNSHADED: nothing yet, it is left to mcv_shade_surface.
  */
@@ -44,7 +44,7 @@ MCV_LOOP_FUNCTION mcv_shading mcv_any_shading(void) {
     return mcv_shading_of(MCV_SHADING_ANY, 1, 1);
 }
 
-#if MCV_WITH_PLAIN && MCV_WITH_GLOSSY
+#if MCV_HAS_PLAIN && MCV_WITH_GLOSSY
 /* Of a plain glossy material; `from` is what mcv_plain_glossy says of it. */
 MCV_LOOP_FUNCTION mcv_shading mcv_glossy_shading(mcv_world world, uint material,
                                                  const mcv_device_glossy *from) {
@@ -58,7 +58,7 @@ MCV_LOOP_FUNCTION mcv_shading mcv_glossy_shading(mcv_world world, uint material,
 /* The same, its type known to the compiler. */
 MCV_LOOP_FUNCTION mcv_shading mcv_shading_as(mcv_shading shading, uint type) {
     shading.type = type;
-    shading.may_split = type == MCV_MATERIAL_DIELECTRIC && MCV_WITH_SPLIT && MCV_WITH_SMOOTH;
+    shading.may_split = type == MCV_MATERIAL_DIELECTRIC && MCV_WITH_SPLIT && MCV_HAS_SMOOTH;
     return shading;
 }
 
@@ -99,7 +99,7 @@ MCV_LOOP_FUNCTION mcv_scattering mcv_scatter_as(mcv_world world, mcv_slot slot,
                                                 mcv_scattering *other, int *unshaded) {
     const uint media = mcv_path_media(slot);
     (void)unshaded, (void)shading;
-#if MCV_WITH_PLAIN && MCV_WITH_DIFFUSE
+#if MCV_HAS_PLAIN && MCV_WITH_DIFFUSE
     if (shading.kind == MCV_SHADING_DIFFUSE) {
         mcv_color reflectance;
         MCV_LOAD_COLOR(slot, reflectance, reflectance);
@@ -107,11 +107,11 @@ MCV_LOOP_FUNCTION mcv_scattering mcv_scatter_as(mcv_world world, mcv_slot slot,
         return mcv_scatter_diffuse(*interaction, reflectance, media, pair);
     }
 #endif
-#if MCV_WITH_SMOOTH
+#if MCV_HAS_SMOOTH
     if (shading.kind == MCV_SHADING_SMOOTH)
         return mcv_scatter_dielectric(world, *interaction, media, pair.x, unmatched, other);
 #endif
-#if MCV_WITH_PLAIN && MCV_WITH_GLOSSY
+#if MCV_HAS_PLAIN && MCV_WITH_GLOSSY
     if (shading.kind == MCV_SHADING_GLOSSY) {
         mcv_scattering on;
         const mcv_glossy_interaction m =

@@ -52,10 +52,10 @@ MCV_LOOP_FUNCTION mcv_color mcv_pixel_radiance(mcv_world world,
 #endif
 
 /* Does any surface emit what a ray can meet? */
-#define MCV_WITH_EMISSION \
+#define MCV_HAS_EMISSION \
     (MCV_WITH_PARALLEL || MCV_WITH_LIGHT_FIELD || MCV_WITH_PROJECTOR || MCV_WITH_AREA)
 
-#if MCV_WITH_EMISSION
+#if MCV_HAS_EMISSION
 /* The radiance of a point in the directions into which the emitter emits in full. */
 MCV_LOOP_FUNCTION mcv_color mcv_full_radiance(mcv_world world, mcv_surface surface, uint emitter) {
     __global const mcv_device_emitter *e = world.emitters + emitter;
@@ -119,7 +119,7 @@ MCV_LOOP_FUNCTION mcv_color mcv_emitted(mcv_world world, mcv_surface surface, ui
 }
 #endif
 
-#if MCV_WITH_NEXT_EVENT && MCV_WITH_EMISSION
+#if MCV_WITH_NEXT_EVENT && MCV_HAS_EMISSION
 #if MCV_WITH_PARALLEL
 /*
  * Whether next-event estimation at a receiver samples the emitter's cone of directions, or its

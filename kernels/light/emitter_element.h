@@ -25,7 +25,7 @@ MCV_LOOP_FUNCTION uint mcv_emitter_element_by(mcv_world world, uint emitter, mcv
                                               mcv_vec3 direction, int by_pixel) {
     const uint first = mcv_first_emitter_element(world, emitter);
     (void)surface, (void)direction, (void)by_pixel;
-#if MCV_WITH_RECORDS && MCV_WITH_TEXTURE && (MCV_WITH_EMISSION || MCV_WITH_BEAM)
+#if MCV_WITH_RECORDS && MCV_WITH_TEXTURE && (MCV_HAS_EMISSION || MCV_WITH_BEAM)
     __global const mcv_device_emitter *e = world.emitters + emitter;
     const int told = e->emitter_element_width > 0u;
     int lit = 1;

@@ -12,7 +12,7 @@
 #include "light/emission.h"
 #include "light/light_sample.h"
 
-#if MCV_WITH_EMISSION || MCV_WITH_BEAM
+#if MCV_HAS_EMISSION || MCV_WITH_BEAM
 /* A point on a triangle of an emitter. */
 typedef struct mcv_emitter_point {
     mcv_facet facet;
@@ -50,7 +50,7 @@ MCV_LOOP_FUNCTION mcv_emitter_point mcv_point_on_mesh(mcv_world world,
 }
 #endif
 
-#if MCV_WITH_EMISSION && MCV_WITH_NEXT_EVENT
+#if MCV_HAS_EMISSION && MCV_WITH_NEXT_EVENT
 /*
  * Bound of the error with which a ray from the receiver meets the triangle of a place that has an
  * error itself, per coordinate. The traversal works on the corners relative to the ray's origin, of

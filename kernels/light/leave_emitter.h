@@ -77,7 +77,7 @@ MCV_FUNCTION uint mcv_choose_light(mcv_world world, mcv_pair pair) {
                           mcv_cdf_bits(pair.x, pair.y));
 }
 
-#if MCV_WITH_EMISSION
+#if MCV_HAS_EMISSION
 /* The path leaves a point in a direction. factor: of the flux, where the density in étendue is not
  * even: cos⁴ of a projector; in_emission_cone: whether the direction was chosen in the emission
  * cone, where it is, wherever rounding puts it. */
@@ -108,7 +108,7 @@ MCV_LOOP_FUNCTION void mcv_leave_point(mcv_world world, mcv_surface surface, mcv
 }
 #endif
 
-#if MCV_WITH_EMISSION || MCV_WITH_PUNCTUAL
+#if MCV_HAS_EMISSION || MCV_WITH_PUNCTUAL
 /* Towards one of the balls. */
 MCV_FUNCTION mcv_vec3 mcv_aim_light(mcv_world world, mcv_vec3 from, mcv_cone *cone, mcv_pair pair,
                                     mcv_aiming *aimed) {
@@ -135,7 +135,7 @@ MCV_FUNCTION void mcv_leave_along_beam(mcv_world world, mcv_surface surface, mcv
 }
 #endif
 
-#if MCV_WITH_EMISSION || MCV_WITH_BEAM
+#if MCV_HAS_EMISSION || MCV_WITH_BEAM
 /* From a point uniform by area. */
 MCV_FUNCTION void mcv_leave_surface(mcv_world world, mcv_pair place, mcv_pair turn,
                                     mcv_light_path *path) {
@@ -150,7 +150,7 @@ MCV_FUNCTION void mcv_leave_surface(mcv_world world, mcv_pair place, mcv_pair tu
         return;
     }
 #endif
-#if MCV_WITH_EMISSION
+#if MCV_HAS_EMISSION
     mcv_cone cone = mcv_emission_cone(e, surface.ns);
     mcv_aiming aimed = {0.0f, 0u};
     mcv_vec3 direction;
@@ -234,7 +234,7 @@ MCV_FUNCTION mcv_light_path mcv_begin_light_path(mcv_world world, mcv_pair which
         return path;
     }
 #endif
-#if MCV_WITH_EMISSION || MCV_WITH_BEAM
+#if MCV_HAS_EMISSION || MCV_WITH_BEAM
     mcv_leave_surface(world, place, turn, &path);
 #else
     (void)place, (void)turn;

@@ -12,7 +12,7 @@ MCV_LOOP_FUNCTION int mcv_has_light_paths(mcv_world world, uint emitter) {
     return (world.emitters[emitter].light_inverse_pdf > 0.0f) & (world.frame->light_density > 0.0f);
 }
 
-#if MCV_WITH_EMISSION
+#if MCV_HAS_EMISSION
 /* The cone into which an emitter's surface emits, or a larger one. */
 MCV_LOOP_FUNCTION mcv_cone mcv_emission_cone(__global const mcv_device_emitter *e,
                                              mcv_vec3 normal) {

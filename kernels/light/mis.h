@@ -83,7 +83,7 @@ MCV_LOOP_FUNCTION int mcv_light_paths_find(mcv_world world, mcv_slot slot, uint 
  * that of light paths, if there are any of its kind. */
 MCV_FUNCTION float mcv_camera_path_mis_weight(mcv_world world, mcv_slot slot, mcv_surface surface,
                                               mcv_vec3 direction, uint emitter) {
-#if MCV_WITH_EMISSION
+#if MCV_HAS_EMISSION
     if (!mcv_light_paths_find(world, slot, emitter)) return 1.0f;
     const float etendue = mcv_light_etendue(world, surface, emitter, mcv_scale(direction, -1.0f));
     if (etendue > 0.0f)

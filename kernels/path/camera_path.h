@@ -114,7 +114,7 @@
 /* Whether light paths lie in rows. Where beams come to the lens by themselves or colours part, they
  * are traced one by one. */
 #define MCV_LIGHT_ROWS \
-    (MCV_OFFSETS_TOGETHER && MCV_WITH_LIGHT_TRACING && MCV_WITH_NEXT_EVENT && !MCV_WITH_BEAMS && \
+    (MCV_OFFSETS_TOGETHER && MCV_WITH_LIGHT_TRACING && MCV_WITH_NEXT_EVENT && !MCV_HAS_BEAMS && \
      !MCV_WITH_DISPERSION)
 
 /*

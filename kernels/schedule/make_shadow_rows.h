@@ -24,7 +24,7 @@ MCV_LOOP_FUNCTION mcv_light_sample mcv_load_light_sample(mcv_slot slot) {
     return sample;
 }
 
-#if MCV_WITH_PLAIN
+#if MCV_HAS_PLAIN
 /* Whether the paths in the slots first … last - 1, whose surfaces are of one kind, have a shadow
  * ray to follow. */
 MCV_LOOP_FUNCTION void mcv_make_shadow_range(mcv_world world, mcv_slot slot, uint first, uint last,

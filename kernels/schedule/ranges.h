@@ -64,9 +64,9 @@ MCV_LOOP_FUNCTION uint mcv_class_begin(const uint *class_end, uint class) {
 
 /* Which BSDFs the program has loops for. In a scene without, their paths are of the classes
  * TRIANGLE and EXACT. */
-#define MCV_KNOWS_SMOOTH MCV_WITH_SMOOTH
-#define MCV_KNOWS_DIFFUSE (MCV_WITH_PLAIN && MCV_WITH_DIFFUSE)
-#define MCV_KNOWS_GLOSSY (MCV_WITH_PLAIN && MCV_WITH_GLOSSY)
+#define MCV_KNOWS_SMOOTH MCV_HAS_SMOOTH
+#define MCV_KNOWS_DIFFUSE (MCV_HAS_PLAIN && MCV_WITH_DIFFUSE)
+#define MCV_KNOWS_GLOSSY (MCV_HAS_PLAIN && MCV_WITH_GLOSSY)
 #define MCV_KNOWS_ANY 0
 
 /*

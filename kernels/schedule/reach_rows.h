@@ -120,7 +120,7 @@ MCV_BATCH void mcv_select_glossy_block(mcv_world world, mcv_slot slot, uint firs
     mcv_select_block(world, slot, first, last, sides, lobes, 1);
 }
 
-#if MCV_WITH_PLAIN
+#if MCV_HAS_PLAIN
 /* The same on plain glossy surfaces of one material. */
 MCV_LOOP_FUNCTION void mcv_select_glossy_range(mcv_world world, mcv_slot slot, uint first,
                                                uint last, mcv_shading shading, const uint *sides) {

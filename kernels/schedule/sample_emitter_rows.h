@@ -37,7 +37,7 @@ MCV_BATCH void mcv_sample_emitter_alone(mcv_world world, mcv_slot slot) {
 }
 #endif
 
-#if MCV_WITH_EMISSION
+#if MCV_HAS_EMISSION
 /* `found` holds the triangles that the paths have chosen unless the emitter is a rectangle. Whether
  * it is, and whether the paths are a row, is known to the compiler. */
 MCV_LOOP_FUNCTION void mcv_sample_point_row(mcv_world world, mcv_slot slot, uint emitter,
@@ -138,7 +138,7 @@ MCV_BATCH void mcv_sample_emitter_row(mcv_world world, mcv_slot slot, uint emitt
     }
     const uint directions = mcv_compact_row(by_direction, chosen, count, listed);
     if (directions > 0) mcv_sample_directions(world, slot, emitter, listed, directions);
-#if MCV_WITH_EMISSION
+#if MCV_HAS_EMISSION
     const uint points = mcv_compact_row(by_point, chosen, count, listed);
     if (points > 0) mcv_sample_points(world, slot, emitter, listed, points);
 #endif
@@ -204,7 +204,7 @@ MCV_BATCH uint mcv_sample_emitters(mcv_world world, mcv_slot slot, const uint *c
     uint shadow_count = 0;
     (void)glossy_material;
     mcv_draw_pairs(slot.base, smooth_end, alive, depth, MCV_PAIR_EMITTER);
-#if MCV_WITH_PLAIN
+#if MCV_HAS_PLAIN
     mcv_select_plain_emitters(world, slot, class_end, glossy_material);
     mcv_sample_emitter_rows(world, slot, smooth_end, known_end);
     shadow_count = mcv_list_plain_shadows(world, slot, class_end, glossy_material, shadows);

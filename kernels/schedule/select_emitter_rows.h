@@ -12,7 +12,7 @@
 #include "stage/sample_emitters.h"
 
 #if MCV_WITH_NEXT_EVENT
-#if MCV_WITH_EMISSION || (MCV_WITH_PLAIN && !MCV_WITH_REACH && !MCV_WITH_LIGHT_TREE)
+#if MCV_HAS_EMISSION || (MCV_HAS_PLAIN && !MCV_WITH_REACH && !MCV_WITH_LIGHT_TREE)
 /* mcv_search_cdf for the chosen paths, by the numbers drawn for a pair. */
 MCV_BATCH void mcv_search_cdf_rows(__global const uint *cdf, uint count, mcv_slot slot, uint use,
                                    const uint *chosen, uint chosen_count, uint *found) {
@@ -149,7 +149,7 @@ MCV_BATCH void mcv_select_any_emitters(mcv_world world, mcv_slot slot, uint firs
 }
 #endif
 
-#if MCV_WITH_PLAIN
+#if MCV_HAS_PLAIN
 /* mcv_pick_emitter for the paths on plain surfaces. What these leave to light paths is left out
  * where they make shadow rays (mcv_respond_as). */
 MCV_BATCH void mcv_select_plain_emitters(mcv_world world, mcv_slot slot, const uint *class_end,

@@ -100,7 +100,7 @@ MCV_BATCH uint mcv_shade_paths(mcv_world world, mcv_slot slot, const uint *class
     mcv_sample_diffuse_directions(slot.base, class_end[MCV_LAST_SMOOTH], alive);
 #endif
     mcv_shade_ranges(world, slot.base, class_end, glossy_material, 0, depth, fate, unmatched);
-    if (MCV_WITH_SMOOTH && MCV_WITH_SPLIT)
+    if (MCV_HAS_SMOOTH && MCV_WITH_SPLIT)
         beside.index = mcv_split_paths(world, slot.base, fate, class_end[MCV_LAST_GLOSSY], alive);
     MCV_VECTORIZE
     for (uint i = 0; i < alive; ++i) flags[i] = fate[i] == MCV_UNSHADED;

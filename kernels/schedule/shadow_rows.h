@@ -71,7 +71,7 @@ MCV_BATCH uint mcv_count_lit(uint *paths, uint first, uint last, int any, mcv_hi
 }
 #endif
 
-#if MCV_WITH_TARGET_IMAGES
+#if MCV_HAS_TARGET_IMAGES
 /* mcv_apply_target_image of those listed paths whose shadow rays have hit their target. */
 MCV_BATCH void mcv_apply_target_images(mcv_world world, uint *paths, const uint *listed, uint count,
                                        mcv_hits hits) {
@@ -112,10 +112,10 @@ static void mcv_intersect_shadows(mcv_world world, uint *paths, const uint *list
                    directions = MCV_ROWS(paths, shadow_direction);
     MCV_ALIGNED uint rows[4 * MCV_ROW];
     const mcv_hits hits = mcv_hits_in(rows, MCV_ROW);
-    for (int any = !MCV_WITH_TARGETS; any < 2; ++any) {
+    for (int any = !MCV_HAS_TARGETS; any < 2; ++any) {
         const uint *chosen = listed;
         uint flags[MCV_SLOTS], of_either[MCV_SLOTS], chosen_count = count;
-        if (MCV_WITH_TARGETS) {
+        if (MCV_HAS_TARGETS) {
             for (uint i = 0; i < count; ++i)
                 flags[i] = mcv_shadow_is_any(mcv_slot_at(paths, listed[i])) == any;
             chosen = of_either;
@@ -142,7 +142,7 @@ static void mcv_intersect_shadows(mcv_world world, uint *paths, const uint *list
         for (uint i = 0; i < chosen_count && !any; ++i)
             if (!mcv_hits_target(world, mcv_slot_at(paths, chosen[i]), mcv_hit_of(hits, chosen[i])))
                 hits.t[chosen[i]] = as_uint(-INFINITY);
-#if MCV_WITH_TARGET_IMAGES
+#if MCV_HAS_TARGET_IMAGES
         if (!any) mcv_apply_target_images(world, paths, chosen, chosen_count, hits);
 #endif
         mcv_add_shadow_lights(world, paths, first, last, any, hits);

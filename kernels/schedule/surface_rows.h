@@ -176,7 +176,7 @@ static void mcv_find_interactions(mcv_world world, uint *paths, const uint *clas
     mcv_find_contact_rows(world, paths, class_end[MCV_LAST_CLASS]);
 #endif
     (void)glossy_material;
-    if (!MCV_WITH_PLAIN) return;
+    if (!MCV_HAS_PLAIN) return;
 #if MCV_WITH_TEXTURE
     const uint first = class_end[MCV_LAST_SMOOTH], last = class_end[MCV_LAST_KNOWN];
     mcv_find_reflectances(world, paths, first, last);

@@ -86,7 +86,7 @@ static void mcv_end_trace(mcv_world world, mcv_traced *at) {
 
 /* What the surface emits towards the ray. */
 static float mcv_traced_radiance(mcv_world world, mcv_interaction interaction, uint media) {
-#if MCV_WITH_EMISSION
+#if MCV_HAS_EMISSION
     const uint emitter = world.instances[interaction.surface.instance].emitter;
     if (emitter != MCV_NONE) {
         const mcv_color emitted = mcv_emitted(world, interaction.surface, emitter,

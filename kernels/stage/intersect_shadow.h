@@ -13,12 +13,12 @@
 #include "stage/record_light.h"
 
 /* Whether shadow rays may have to meet their emitter. */
-#define MCV_WITH_TARGETS (MCV_WITH_PARALLEL || MCV_WITH_BEAM)
+#define MCV_HAS_TARGETS (MCV_WITH_PARALLEL || MCV_WITH_BEAM)
 
 /* What comes along a cone's or a beam's direction depends on where it is met. */
-#define MCV_WITH_TARGET_IMAGES (MCV_WITH_TARGETS && MCV_WITH_TEXTURE)
+#define MCV_HAS_TARGET_IMAGES (MCV_HAS_TARGETS && MCV_WITH_TEXTURE)
 
-#if MCV_WITH_TARGET_IMAGES
+#if MCV_HAS_TARGET_IMAGES
 /* Whether the target of the shadow ray sends an image. */
 MCV_LOOP_FUNCTION int mcv_target_has_image(mcv_world world, mcv_slot slot) {
     const uint emitter = world.instances[MCV_WORD(slot, shadow_target, 0)].emitter;
@@ -120,7 +120,7 @@ MCV_FUNCTION void mcv_intersect_shadow(mcv_world world, mcv_slot slot) {
                 world, slot,
                 mcv_intersect_closest_ray(world.nodes, world.leaves, origin, direction, INFINITY)));
         if (!mcv_hits_target(world, slot, hit)) return;
-#if MCV_WITH_TARGET_IMAGES
+#if MCV_HAS_TARGET_IMAGES
         if (mcv_target_has_image(world, slot)) mcv_apply_target_image(world, slot, hit);
 #endif
         mcv_add_single_light(world, slot, hit);

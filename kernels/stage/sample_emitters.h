@@ -33,7 +33,7 @@ MCV_LOOP_FUNCTION mcv_receiver mcv_receiver_of(mcv_interaction interaction) {
 MCV_FUNCTION mcv_light_sample mcv_sample_towards(mcv_world world, mcv_receiver at, uint emitter,
                                                  mcv_pair pair) {
     __global const mcv_device_emitter *e = world.emitters + emitter;
-#if MCV_WITH_EMISSION
+#if MCV_HAS_EMISSION
     if (!mcv_samples_direction(e, at.point)) {
         mcv_surface there;
         mcv_emitter_point point;
@@ -100,14 +100,14 @@ MCV_LOOP_FUNCTION mcv_response mcv_respond_as(mcv_world world, mcv_slot slot,
                                               const mcv_interaction *interaction,
                                               mcv_shading shading, mcv_vec3 direction) {
     const uint media = mcv_path_media(slot);
-#if MCV_WITH_PLAIN && MCV_WITH_DIFFUSE
+#if MCV_HAS_PLAIN && MCV_WITH_DIFFUSE
     if (shading.kind == MCV_SHADING_DIFFUSE) {
         mcv_color reflectance;
         MCV_LOAD_COLOR(slot, reflectance, reflectance);
         return mcv_respond_diffuse(interaction, reflectance, media, direction);
     }
 #endif
-#if MCV_WITH_PLAIN && MCV_WITH_GLOSSY
+#if MCV_HAS_PLAIN && MCV_WITH_GLOSSY
     if (shading.kind == MCV_SHADING_GLOSSY) {
         const mcv_glossy_interaction m =
             mcv_make_plain_glossy_interaction(world, slot, interaction, shading, media);

@@ -27,7 +27,7 @@ MCV_LOOP_FUNCTION void mcv_add_radiance(mcv_world world, mcv_slot slot, mcv_colo
                             mcv_tint(mcv_path_throughput(slot), light));
 }
 
-#if MCV_WITH_EMISSION
+#if MCV_HAS_EMISSION
 /* What a path has met of an emitter's surface. */
 typedef struct mcv_emitter_hit {
     mcv_color radiance; /* that the surface sends along the path */

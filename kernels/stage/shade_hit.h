@@ -59,7 +59,7 @@ static uint mcv_shade_surface(mcv_world world, mcv_slot slot, mcv_slot beside, u
                               uint *unmatched) {
     world = mcv_disperse(world, slot);
     const mcv_interaction interaction = mcv_make_interaction(world, slot);
-#if MCV_WITH_EMISSION
+#if MCV_HAS_EMISSION
     mcv_shade_emitter_hit(world, slot, interaction);
 #endif
     mcv_keep_selection(slot);

@@ -22,7 +22,7 @@
 #include "traverse/closest.h"
 
 #if MCV_WITH_LIGHT_TRACING
-#if MCV_WITH_BEAMS
+#if MCV_HAS_BEAMS
 /* A beam reaches the plane of the lens before t, from smooth surfaces or straight from its emitter.
  */
 static void mcv_enter_lens(mcv_world world, mcv_light_path path, float t, __global uint *splats,
@@ -130,7 +130,7 @@ MCV_FUNCTION void mcv_trace_light_path(mcv_world world, uint index, __global uin
         const mcv_pair choice = mcv_light_pair(id, depth, MCV_PAIR_CHOICE);
         const mcv_hit hit = mcv_closest(world, path.origin, path.direction, path.origin_surface);
         ++counts[MCV_COUNTER_rays];
-#if MCV_WITH_BEAMS
+#if MCV_HAS_BEAMS
         const uint type = world.emitters[path.emitter].type;
         if ((type == MCV_EMITTER_COLLIMATED_BEAM || type == MCV_EMITTER_LASER) &&
             !(path.light_flags & MCV_LIGHT_FLAG_SPREAD))

@@ -28,7 +28,7 @@ static void mcv_shade_emitter_hit(mcv_world world, mcv_vec3 receiver, mcv_vec3 d
         met[2] = mcv_environment_density(world, world.emitters + emitter, pixel);
     }
 #endif
-#if MCV_WITH_EMISSION
+#if MCV_HAS_EMISSION
     if (hit.primitive == MCV_NONE ||
         world.instances[mcv_instance_of(world, hit.primitive)].emitter != emitter)
         return;
