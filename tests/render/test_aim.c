@@ -27,7 +27,8 @@ static mcv_estimate render_mean(const mcv_scene *scene, uint64_t samples, bool a
     mcv_render_stats stats;
     mcv_film film = render(scene, MCV_SCHEDULE_AUTO, samples, &stats);
     const mcv_estimate mean = image_estimate(&film);
-    if ((strstr(stats.features, "pupil-guiding") != NULL) != aims) fail_msg("features: %s", stats.features);
+    if ((strstr(stats.features, "pupil-guiding") != NULL) != aims)
+        fail_msg("features: %s", stats.features);
     mcv_film_free(&film);
     return mean;
 }
