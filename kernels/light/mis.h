@@ -15,7 +15,7 @@
 /*
  * The weight of what was found by a choice of density `own` > 0 and could have been found by
  * another: the power heuristic of exponent 2 (Veach 1997, 9.2.4). The balance heuristic leaves a
- * share of small lights to the few paths that meet them by chance, and their noise with it.
+ * part of small lights to the few paths that meet them by chance, and their noise with it.
  */
 MCV_LOOP_FUNCTION float mcv_power_heuristic(float own, float other) {
     const float ratio = other / own; /* whose square may be infinite: no weight */
@@ -25,8 +25,8 @@ MCV_LOOP_FUNCTION float mcv_power_heuristic(float own, float other) {
 /*
  * The pdf of the surface's own choice of a ray that has met an emitter, to be weighed against
  * p_light, the pdf of next-event estimation that takes emitters by power alone
- * (mcv_density_towards). The surface takes this emitter `ratio` times as often: by the light tree
- * exactly (mcv_tree_ratio), else by a surrogate (mcv_selection_ratio, mcv_light_selection). The
+ * (mcv_density_towards). The surface takes this emitter `ratio` times as often (mcv_tree_ratio,
+ * mcv_selection_ratio); with a glossy receiver the ratio is a surrogate (mcv_light_selection). The
  * power heuristic depends on the quotient of the two pdfs alone, and p_bsdf/ratio : p_light =
  * p_bsdf : p_light * ratio. Here p_bsdf is divided; where the emitter is sampled p_light is
  * multiplied (mcv_apply_selection). Both are the same weights.
