@@ -10,7 +10,7 @@
 /* Which sample of which pixel a path is. */
 typedef struct mcv_identity {
     uint column, row;
-    uint stream; /* of random numbers: pixel, replicate, seed */
+    uint stream; /* of random numbers: pixel, replicate, seed; a branch gets another */
     uint sample;
     uint cell; /* on the film: mcv_film_cell */
 } mcv_identity;

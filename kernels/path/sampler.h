@@ -1,11 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * The random numbers of a path: pairs in [0, 1)², each named for its use, depending on (seed,
- * pixel, replicate, sample, number of the pair) alone. Sobol' (default): dimensions 0 and 1 with
- * the sample index shuffled and the values scrambled per pair by hashed Owen scrambling (Burley,
- * Practical Hash-based Owen Scrambling, JCGT 2020; hash constants by Vegdahl 2021), so that the
- * samples [0, 2^m) of a pixel's replicate are a (0, m, 2)-net in every pair. MCV_SAMPLER_RANDOM:
- * independent numbers.
+ * pixel, replicate, branch, sample, number of the pair) alone. Sobol' (default): dimensions 0 and 1
+ * with the sample index shuffled and the values scrambled per pair by hashed Owen scrambling
+ * (Burley, Practical Hash-based Owen Scrambling, JCGT 2020; hash constants by Vegdahl 2021), so
+ * that the samples [0, 2^m) of a pixel's replicate are a (0, m, 2)-net in every pair.
+ * MCV_SAMPLER_RANDOM: independent numbers.
  */
 #ifndef MCVISI_KERNELS_SAMPLER_H
 #define MCVISI_KERNELS_SAMPLER_H
@@ -23,7 +23,7 @@ enum {
     MCV_PAIR_LIGHT_DIRECTION = MCV_PAIR_SCATTER,
     MCV_PAIR_LIGHT_LENS = MCV_PAIR_EMITTER
 };
-#define MCV_PAIR_CHANNEL 0xffffffffu /* drawn once */
+#define MCV_PAIR_CHANNEL 0xffffffffu /* the same pair at every body */
 #define MCV_PAIR_TIME 0xfffffffeu    /* of sensors that move */
 #define MCV_SURFACE_PAIR(depth, use) \
     ((uint)MCV_PAIR_SURFACES + (depth) * (uint)MCV_PAIR_STRIDE + (uint)(use))
@@ -66,7 +66,8 @@ MCV_FUNCTION float mcv_unit_interval(uint bits) {
     return (float)(bits >> 8) * 5.9604644775390625e-8f;
 }
 
-/* `stream` identifies pixel, replicate and the user's seed; `sample` counts within them. */
+/* `stream` identifies pixel, replicate, the user's seed and the branch (of a light path
+ * mcv_identify_light makes it); `sample` counts within them. */
 MCV_LOOP_FUNCTION mcv_pair mcv_sample_pair(uint stream, uint sample, uint number) {
     const uint seed = mcv_hash_2(stream, number);
     mcv_pair result;

@@ -1,8 +1,9 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * The stream schedule, for GPUs: one launch per stage and depth over a frame's paths that live.
- * Queues hold the slots of the paths that a stage has work for; their lengths stay on the device,
- * and what the host launches beyond them ends at once. A work-group appends its paths together,
+ * Queues hold the slots of the paths that a stage has work for. The host learns their lengths
+ * MCV_DEPTHS_AHEAD depths late and launches at least as many work-items as there are paths; what it
+ * launches beyond them ends at once. A work-group appends its paths together,
  * so that neighbours in a queue are near to each other in memory. The order in a queue does not
  * matter: a path writes its own slot and that of its new branch.
  *

@@ -20,7 +20,8 @@
 #define MCV_ROULETTE_WEIGHT 0.125f
 #endif
 
-/* Surfaces that a light path meets before roulette may end it. */
+/* The depth from which roulette may end a light path. Its emitter is depth 0, the first surface
+ * that it meets 1: four surfaces are spared. */
 #define MCV_LIGHT_ROULETTE_DEPTH 5u
 
 typedef struct mcv_roulette {

@@ -13,18 +13,19 @@
 #include "stage/record_light.h"
 
 #if MCV_WITH_LIGHT_TRACING
-/* cell: of replicate, channel and pixel. 0 if the sum no longer fits. */
-MCV_FUNCTION int mcv_add_splat(__global uint *splats, size_t cell, float units, float xi) {
+/* sum: the number of the sum of one replicate, channel and pixel, which is not mcv_film_cell.
+ * Returns 0 if it no longer fits. */
+MCV_FUNCTION int mcv_add_splat(__global uint *splats, size_t sum, float units, float xi) {
     if (!(units < 9.0e18f)) return 0;
     ulong whole = (ulong)units;
     if (units < 16777216.0f && xi < units - (float)whole) ++whole;
     if (whole == 0) return 1;
     const uint low = (uint)whole;
     uint high = (uint)(whole >> 32);
-    const uint before = atomic_add(splats + 2 * cell, low);
+    const uint before = atomic_add(splats + 2 * sum, low);
     if (before + low < before) ++high;
     if (high == 0) return 1;
-    const uint above = atomic_add(splats + 2 * cell + 1, high);
+    const uint above = atomic_add(splats + 2 * sum + 1, high);
     return above + high >= above;
 }
 
@@ -52,10 +53,10 @@ static void mcv_splat(mcv_world world, __global uint *splats, uint replicate, mc
     (void)emitter_element;
     const size_t pixel = (size_t)(uint)place.row * width + (uint)place.column;
     for (uint channel = 0; channel < MCV_CHANNELS; ++channel) {
-        const size_t cell = ((size_t)replicate * MCV_CHANNELS + channel) * width * height + pixel;
+        const size_t sum = ((size_t)replicate * MCV_CHANNELS + channel) * width * height + pixel;
         if (!(mcv_abs(value.c[channel]) < INFINITY))
             ++counts[MCV_COUNTER_nonfinite];
-        else if (!mcv_add_splat(splats, cell, value.c[channel] * world.frame->splat_scale, xi))
+        else if (!mcv_add_splat(splats, sum, value.c[channel] * world.frame->splat_scale, xi))
             ++counts[MCV_COUNTER_saturated];
     }
 }

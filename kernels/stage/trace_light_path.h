@@ -1,10 +1,11 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /*
  * Stage: light tracing, one light path for every 2^k camera paths. A path starts at an emitter that
- * is chosen by flux and follows smooth and near-specular surfaces. From the first other scattering
- * surface on, each vertex is connected to a point of the sensor's lens, straight or through plates.
- * A path without a smooth or near-specular surface before that vertex ends there: next-event
- * estimation covers it. A beam that reaches the lens by itself counts.
+ * is chosen by flux and follows smooth and near-specular surfaces. Once it has met one of these,
+ * each later vertex on a scattering surface is connected to a point of the sensor's lens, straight
+ * or through plates, unless it is left to camera paths (mcv_is_left_to_camera). A path that meets
+ * another scattering surface first ends there: next-event estimation covers it. A beam that reaches
+ * the lens by itself counts.
  *
  * Light that camera paths find too is weighted by the balance heuristic
  * (mcv_light_path_mis_weight). Where a camera path on a near-specular surface would need next-event
