@@ -221,7 +221,8 @@ double mcv_film_channel_correlation(const mcv_film *film) {
     double covariance = 0, product = 0;
     for (size_t i = 0; film->channels > 1 && i < (size_t)film->width * film->height; ++i)
         add_pairs(film, i, &covariance, &product);
-    return product > 0 ? covariance / product : 1;
+    /* Rounding may put it a little beyond. */
+    return product > 0 ? fmax(-1, fmin(covariance / product, 1)) : 1;
 }
 
 double mcv_film_mean(const mcv_film *film) {
