@@ -144,7 +144,7 @@ static bool render_row(ref_pass *r, round_report *report) {
     if (row >= film->height) return false;
     for (uint32_t replicate = 0; replicate < film->replicates; ++replicate) {
         for (uint32_t column = 0; column < film->width; ++column) {
-            double sum[3];
+            double sum[3] = {0};
             sum_samples(r, report, column, row, replicate, r->part.first, r->part.count,
                         &r->rows[row], sum);
             if (!goes_on(r, report)) return false;

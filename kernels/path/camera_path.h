@@ -86,17 +86,14 @@
                                                          media, density, throughput */ \
     X(emitter, MCV_TILE *MCV_WITH_NEXT_EVENT) /* that the path samples, or MCV_NONE */ \
     X(place, 4 * MCV_TILE * MCV_WITH_NEXT_EVENT * MCV_WITH_TEXTURE) /* triangle, u, v, density */ \
-    X(selection_here, \
-      ((2 + MCV_WITH_GLOSSY) * MCV_WITH_REACH + 4 * MCV_WITH_LIGHT_TREE) * \
-          MCV_WITH_NEXT_EVENT)                /* as `selection`, then how the choice was made: \
-                             with REACH and GLOSSY its chance, by the light tree mcv_walk_ratio */ \
-    X(shadow_origin, 3 * MCV_WITH_NEXT_EVENT) /* ray to the emitter */ \
+    X(selection_here, ((2 + MCV_WITH_GLOSSY) * MCV_WITH_REACH + 4 * MCV_WITH_LIGHT_TREE) * \
+                          MCV_WITH_NEXT_EVENT) /* as `selection`; last: how it was made */ \
+    X(shadow_origin, 3 * MCV_WITH_NEXT_EVENT)  /* ray to the emitter */ \
     X(shadow_direction, 3 * MCV_WITH_NEXT_EVENT) \
     X(shadow_origin_surface, MCV_WITH_NEXT_EVENT *MCV_WITH_SURFACES) \
     X(shadow_density, MCV_TILE *MCV_WITH_NEXT_EVENT)   /* pdf of mcv_light_sample */ \
     X(shadow_media, MCV_WITH_NEXT_EVENT *MCV_CROSSES)  /* that it leaves the surface in */ \
-    X(shadow_light, MCV_WITH_NEXT_EVENT *MCV_CHANNELS) /* what it brings; 0: no ray. In \
-                         rows, until mcv_make_shadow_ray: radiance_over_pdf of mcv_light_sample */ \
+    X(shadow_light, MCV_WITH_NEXT_EVENT *MCV_CHANNELS) /* what it brings; 0: no ray */ \
     X(shadow_emitter_element, MCV_WITH_NEXT_EVENT *MCV_WITH_RECORDS) /* from which */ \
     X(shadow_target, MCV_WITH_NEXT_EVENT) /* instance to be met first; MCV_NONE: nothing may be \
                                              met up to t = 1; MCV_SKY: nothing at all */
