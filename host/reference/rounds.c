@@ -78,19 +78,22 @@ typedef struct round_report {
     const mcv_render_stats *stats;
 } round_report;
 
+/* Tells the caller how far the render is, who may stop it; saves where that is due. */
+static void tell(ref_pass *r, round_report *report) {
+    const mcv_render_options *o = r->options;
+    const double now = mcv_seconds();
+    if (now - report->told < 0.1) return;
+    report->told = now;
+    const double rows = fmin(atomic_load(&r->next), r->film->height) / r->film->height;
+    if (!o->progress(o->user, report->done + report->share * rows, now - r->start, report->error))
+        atomic_store(&r->stopped, true);
+    else
+        save_if_due(r, report->stats, false);
+}
+
 /* Whether the round goes on. Each thread asks; report NULL: a helper of the calling one. */
 static bool goes_on(ref_pass *r, round_report *report) {
-    const mcv_render_options *o = r->options;
-    const double now = report && o->progress ? mcv_seconds() : 0;
-    if (report && o->progress && now - report->told >= 0.1) {
-        report->told = now;
-        const double rows = fmin(atomic_load(&r->next), r->film->height) / r->film->height;
-        if (!o->progress(o->user, report->done + report->share * rows, now - r->start,
-                         report->error))
-            atomic_store(&r->stopped, true);
-        else
-            save_if_due(r, report->stats, false);
-    }
+    if (report && r->options->progress) tell(r, report);
     return !atomic_load(&r->stopped);
 }
 

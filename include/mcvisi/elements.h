@@ -54,8 +54,7 @@
 
 /*
  * Materials with a BSDF of their own: two functions, mcv_scatter_<name> and mcv_respond_<name> in
- * kernels/bsdf/. The struct mcv_<name> holds what these functions need beside
- * the reflectance.
+ * kernels/bsdf/. The struct mcv_<name> holds what these functions need beside the reflectance.
  */
 /* clang-format off */
 #define MCV_OWN_BSDFS(X) \

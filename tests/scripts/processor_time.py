@@ -15,6 +15,7 @@ import os
 import pathlib
 import re
 import resource
+import signal
 import subprocess
 import sys
 import tempfile
@@ -32,13 +33,20 @@ def programs(cache):
     return sum(1 for _ in pathlib.Path(cache).rglob("program.bc"))
 
 
+def hear_signals():
+    """A shell in the background ignores these, and so would the tests, which send them."""
+    for number in (signal.SIGHUP, signal.SIGINT, signal.SIGQUIT):
+        signal.signal(number, signal.SIG_DFL)
+
+
 def run(command, properties, cache):
     """Seconds of the test and of the processes that it started, and whether it passed."""
     environment = dict(os.environ, POCL_CACHE_DIR=cache, POCL_MAX_PTHREAD_COUNT="1")
     environment.update(pair.split("=", 1) for pair in properties.get("ENVIRONMENT", []))
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     done = subprocess.run(command, cwd=properties["WORKING_DIRECTORY"], env=environment,
-                          check=False, stdin=subprocess.DEVNULL, capture_output=True)
+                          check=False, stdin=subprocess.DEVNULL, capture_output=True,
+                          preexec_fn=hear_signals)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime, done.returncode == 0
 
