@@ -4,16 +4,21 @@
 
     run.py BUILD SECONDS [NAME...]   each target (or those named) for SECONDS
 
-Inputs that reach new code are kept in BUILD/corpus/NAME for the next run. An input that crashes a
+Inputs that reach new code are kept in BUILD/corpus/NAME for the next run; BUILD/sums/NAME.json counts
+inputs and processor seconds of all runs. An input that crashes a
 target, takes more than 10 s or more than 1 GB is left in BUILD/found; the exit code is then 1.
+Targets write their inputs as files into memory where the system has /dev/shm: a disk would take most
+of the time.
 Seeds are the shipped scenes and experiments, the files of Khronos' validator in tests/strict, those of
 openexr-images in tests/io, pictures of docs/, the files in ../shared/data where they are, and small
 files of ours (seeds.py).
 """
 
+import json
 import os
 import pathlib
 import re
+import resource
 import subprocess
 import sys
 import tempfile
@@ -22,6 +27,7 @@ import seeds as own
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
 LARGEST = 65536
+MEMORY = pathlib.Path("/dev/shm")
 TARGETS = ("scene", "set", "stl", "exr", "values", "text", "film", "matrix", "experiment", "table",
            "api")
 
@@ -53,6 +59,21 @@ def seeds(name):
             "api": own.calls()}[name]
 
 
+def spent():
+    """Processor seconds of the targets that have ended."""
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage.ru_utime + usage.ru_stime
+
+
+def add(path, inputs, seconds):
+    """Adds a run to the sums of its target, and returns them."""
+    sums = json.loads(path.read_text()) if path.exists() else {"inputs": 0, "seconds": 0}
+    sums = {"inputs": sums["inputs"] + inputs, "seconds": sums["seconds"] + seconds}
+    path.parent.mkdir(exist_ok=True)
+    path.write_text(json.dumps(sums))
+    return sums
+
+
 def run(build, name, seconds):
     """Runs a target; True if it found nothing."""
     corpus, first, found = (build / part / name for part in ("corpus", "seeds", "found"))
@@ -60,8 +81,8 @@ def run(build, name, seconds):
         folder.mkdir(parents=True, exist_ok=True)
     for i, seed in enumerate(seeds(name)):
         (first / ("%04d" % i)).write_bytes(seed)
-    before = set(found.iterdir())
-    with tempfile.TemporaryDirectory() as folder:
+    before, begun = set(found.iterdir()), spent()
+    with tempfile.TemporaryDirectory(dir=MEMORY if os.access(MEMORY, os.W_OK) else None) as folder:
         done = subprocess.run(
             [build / "tests/fuzz" / ("fuzz_" + name), "-max_total_time=%d" % seconds, "-timeout=10",
              "-rss_limit_mb=1024", "-max_len=%d" % LARGEST, "-print_final_stats=1",
@@ -70,10 +91,12 @@ def run(build, name, seconds):
             env=dict(os.environ, ASAN_OPTIONS="allocator_may_return_null=1:detect_leaks=1",
                      LSAN_OPTIONS="print_suppressions=0:suppressions=%s" % (ROOT / "tests/lsan.supp")))
     count = re.search(r"number_of_executed_units:\s*(\d+)", done.stderr)
+    sums = add(build / "sums" / (name + ".json"), int(count.group(1)) if count else 0, spent() - begun)
     cover = re.findall(r"cov: (\d+)", done.stderr)
-    print("%-7s %9s inputs, %6s edges, %5d kept%s" %
+    print("%-10s %9s inputs, %6s edges, %5d kept; in sum %d inputs, %.1f min%s" %
           (name, count.group(1) if count else "?", cover[-1] if cover else "?",
-           len(list(corpus.iterdir())), "" if done.returncode == 0 else ", FAILED"), flush=True)
+           len(list(corpus.iterdir())), sums["inputs"], sums["seconds"] / 60,
+           "" if done.returncode == 0 else ", FAILED"), flush=True)
     if done.returncode == 0:
         return True
     print(done.stderr[-3000:])
