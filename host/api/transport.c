@@ -4,7 +4,7 @@
 #include "core/basics.h"
 #include "core/output_file.h"
 #include "io/png.h"
-#include "loader/memory.h"
+#include "scene/memory.h"
 #include "scene/sensors.h"
 #include "scene/spectra.h"
 #include "transport/matrix_file.h"

@@ -3,8 +3,8 @@
 #include "loader/loader.h"
 
 #include "core/basics.h"
-#include "loader/memory.h"
 #include "scene/emitters.h"
+#include "scene/memory.h"
 #include "scene/params.h"
 #include "scene/spectra.h"
 

@@ -5,7 +5,7 @@
 #include "loader/load_stl.h"
 
 #include "core/basics.h"
-#include "loader/memory.h"
+#include "scene/memory.h"
 #include "scene/mesh.h"
 #include "scene/params.h"
 

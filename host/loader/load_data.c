@@ -5,8 +5,8 @@
 
 #include "loader/data_uri.h"
 #include "loader/image.h"
-#include "loader/memory.h"
 #include "loader/validate.h"
+#include "scene/memory.h"
 
 #include <stdlib.h>
 #include <string.h>

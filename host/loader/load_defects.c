@@ -3,7 +3,7 @@
 #include "loader/loader.h"
 
 #include "defects/defects.h"
-#include "loader/memory.h"
+#include "scene/memory.h"
 #include "scene/params.h"
 #include "scene/solid.h"
 

@@ -3,9 +3,9 @@
  * images. */
 #include "loader/loader.h"
 
-#include "loader/memory.h"
 #include "loader/overrides.h"
 #include "loader/validate.h"
+#include "scene/memory.h"
 
 #include <stdlib.h>
 #include <string.h>

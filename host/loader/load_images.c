@@ -3,8 +3,8 @@
 #include "loader/loader.h"
 
 #include "io/exr.h"
-#include "loader/memory.h"
 #include "scene/emitters.h"
+#include "scene/memory.h"
 #include "scene/params.h"
 #include "scene/pattern.h"
 #include "scene/texture.h"

@@ -2,9 +2,9 @@
 /* glTF primitives to triangle meshes. */
 #include "loader/loader.h"
 
-#include "loader/memory.h"
-#include "scene/mesh.h"
 #include "scene/materials.h"
+#include "scene/memory.h"
+#include "scene/mesh.h"
 
 #include <math.h>
 #include <stdlib.h>

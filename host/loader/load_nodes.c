@@ -2,8 +2,8 @@
 /* Nodes: places each with its meshes, emitters, sensors and assets, then its children. */
 #include "loader/loader.h"
 
-#include "loader/memory.h"
 #include "scene/materials.h"
+#include "scene/memory.h"
 #include "scene/transform.h"
 
 static mcv_result place_mesh(mcv_loader *loader, const mcv_instance *instance,

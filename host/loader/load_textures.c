@@ -2,8 +2,8 @@
 /* Textures of materials: the images that they need, and the transform of an image on a mesh. */
 #include "loader/loader.h"
 
-#include "loader/memory.h"
 #include "loader/validate.h"
+#include "scene/memory.h"
 #include "scene/mesh.h"
 
 #include <float.h>

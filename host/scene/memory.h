@@ -1,7 +1,7 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* What a scene takes in memory, told before it is taken. */
-#ifndef MCVISI_HOST_LOADER_MEMORY_H
-#define MCVISI_HOST_LOADER_MEMORY_H
+#ifndef MCVISI_HOST_SCENE_MEMORY_H
+#define MCVISI_HOST_SCENE_MEMORY_H
 
 #include "core/json_path.h"
 #include "scene/scene.h"

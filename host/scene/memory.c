@@ -1,5 +1,5 @@
 /* SPDX-License-Identifier: Apache-2.0 */
-#include "loader/memory.h"
+#include "scene/memory.h"
 
 #include <sys/resource.h>
 #include <unistd.h>
