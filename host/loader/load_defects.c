@@ -172,7 +172,7 @@ static mcv_result define(mcv_loader *loader, const json_t *object, size_t index,
 static mcv_result make_meshes(mcv_loader *loader, const json_t *object, const mcv_json_path *place,
                               mcv_error *error) {
     const mcv_placement *node = NULL;
-    const char *name;
+    const char *name = NULL;
     uint32_t type;
     const mcv_json_path here = mcv_json_path_key(place, "node");
     MCV_TRY(mcv_element_type(object, mcv_defect_types, MCV_DEFECT_COUNT, &type, place, error));

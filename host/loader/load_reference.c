@@ -20,7 +20,7 @@ mcv_result mcv_load_array(const mcv_loader *loader, const char *extension, const
     const mcv_json_path here = mcv_json_path_key(&loader->file, key);
     for (size_t i = 0; i < json_array_size(*array); ++i) {
         const mcv_json_path element = mcv_place_index(&here, i);
-        const char *name;
+        const char *name = NULL; /* only its type is looked at */
         if (!json_is_object(json_array_get(*array, i)))
             return mcv_fail_at(&element, error, "must be an object");
         MCV_TRY(mcv_json_string(json_array_get(*array, i), "name", &name, &element, error));
