@@ -34,7 +34,7 @@ static mcv_result take_first(const char *path, mcv_image *image, mcv_error *erro
     const mcv_result result = mcv_exr_read(path, &exr, error);
     if (result == MCV_OK) {
         *image = exr.parts[0].image;
-        exr.parts[0].image = (mcv_image){0};
+        exr.parts[0].image = (mcv_image){.channels = image->channels}; /* as many as names */
     }
     mcv_exr_free(&exr);
     return result;
