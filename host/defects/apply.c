@@ -9,9 +9,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* As many as one defect may take. */
-enum { MOST_FACETS = 4000000 };
-
 /* Refines what must be: what `marks` says, and what lies beside, which is marked then, too. */
 static mcv_result refine(const mcv_ground *ground, uint8_t *const *marks, mcv_facets *facets,
                          const mcv_json_path *place, mcv_error *error) {
@@ -27,8 +24,7 @@ static mcv_result refine(const mcv_ground *ground, uint8_t *const *marks, mcv_fa
             for (int k = 0; k < 3 && !*marked; ++k)
                 *marked =
                     mcv_ground_splits(ground, i, &facet.corners[k], &facet.corners[(k + 1) % 3]);
-            if (*marked)
-                MCV_TRY(mcv_facets_refine(facets, ground, &facet, MOST_FACETS, place, error));
+            if (*marked) MCV_TRY(mcv_facets_refine(facets, ground, &facet, place, error));
         }
     }
     return MCV_OK;

@@ -80,10 +80,10 @@ int mcv_corner_compare(const mcv_corner *a, const mcv_corner *b);
 /* Whether no edge of the triangle need be halved, at a quick look: true is right. */
 bool mcv_ground_spares(const mcv_ground *ground, uint32_t instance, uint32_t triangle);
 
-/* Halves edges of the facet until none is too long; appends what remains. More than `most` facets
- * are MCV_BAD_INPUT. */
+/* Halves edges of the facet until none is too long; appends what remains. MCV_BAD_INPUT where there
+ * are more than a defect may have, or than the scene's memory has room for. */
 mcv_result mcv_facets_refine(mcv_facets *facets, const mcv_ground *ground, const mcv_facet *facet,
-                             size_t most, const mcv_json_path *place, mcv_error *error);
+                             const mcv_json_path *place, mcv_error *error);
 
 /* The triangles of the defect's instances that its footprint reaches on its own surface:
  * marks[instance - first][triangle] is set. Fails where that surface turns away. Sets low and
@@ -115,9 +115,10 @@ mcv_result mcv_facets_add_patch(const mcv_facets *facets, mcv_scene *scene, uint
                                 const uint8_t *marks, const mcv_defect *defect,
                                 const mcv_json_path *place, mcv_error *error);
 
-/* Makes a mesh, in the way of `old`, of its triangles without those that are marked (NULL: of
- * none), and of the facets of the instance that are (`of_patch`) or are not within the patch. */
-mcv_result mcv_facets_mesh(const mcv_facets *facets, const mcv_scene *scene, uint32_t instance,
+/* Makes a mesh, in the way of the instance's own, of its triangles without those that are marked
+ * (NULL: of none), and of the facets of the instance that are (`of_patch`) or are not within the
+ * patch. It is counted in the scene's memory, as placed once. */
+mcv_result mcv_facets_mesh(const mcv_facets *facets, mcv_scene *scene, uint32_t instance,
                            const uint8_t *marks, bool patch, bool of_patch, mcv_mesh *mesh,
                            const mcv_json_path *place, mcv_error *error);
 

@@ -2,6 +2,7 @@
 /* Halves the edges of triangles near a defect until they are short enough (facets.h). */
 #include "defects/facets.h"
 
+#include "scene/memory.h"
 #include "scene/transform.h"
 
 #include <math.h>
@@ -172,8 +173,31 @@ static int split(const mcv_facet *facet, const bool halved[3], mcv_facet parts[4
     return 4;
 }
 
+/* As many as one defect may take. */
+enum { MOST_FACETS = 4000000 };
+
+/* Bytes of a facet while meshes are made: its share of a list that doubles its room, three corners
+ * with their places in a table, and its mesh. */
+enum { FACET_BYTES = 2 * sizeof(mcv_facet) + 5 * sizeof(mcv_corner) };
+
+static mcv_result check_count(size_t count, const mcv_memory *memory, const mcv_json_path *place,
+                              mcv_error *error) {
+    const uint64_t room = mcv_memory_left(memory) / FACET_BYTES;
+    if (count > MOST_FACETS)
+        return mcv_fail_at(place, error,
+                           "would take more than %d triangles: make it shorter or wider",
+                           MOST_FACETS);
+    if (count > room)
+        return mcv_fail_at(place, error,
+                           "would take more than %llu triangles, for which the limit of %.4g MB "
+                           "has no room: make it shorter or wider, or raise the limit by --memory",
+                           (unsigned long long)room, 1e-6 * (double)memory->limit);
+    return MCV_OK;
+}
+
 mcv_result mcv_facets_refine(mcv_facets *facets, const mcv_ground *ground, const mcv_facet *facet,
-                             size_t most, const mcv_json_path *place, mcv_error *error) {
+                             const mcv_json_path *place, mcv_error *error) {
+    const mcv_memory *limits = &ground->scene->memory;
     mcv_facets left = {NULL, 0, 0};
     mcv_result result = MCV_OK;
     bool memory = mcv_facets_add(&left, facet);
@@ -185,10 +209,7 @@ mcv_result mcv_facets_refine(mcv_facets *facets, const mcv_ground *ground, const
                 mcv_ground_splits(ground, one.instance, &one.corners[k], &one.corners[(k + 1) % 3]);
         if (!halved[0] && !halved[1] && !halved[2]) {
             memory = mcv_facets_add(facets, &one);
-            if (facets->count > most)
-                result = mcv_fail_at(place, error,
-                                     "would take more than %zu triangles: make it shorter or wider",
-                                     most);
+            result = check_count(facets->count, limits, place, error);
             continue;
         }
         mcv_facet parts[4];

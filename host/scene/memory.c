@@ -18,12 +18,17 @@ uint64_t mcv_memory_total(const mcv_memory *memory) {
     return memory->files + memory->images + memory->geometry;
 }
 
+uint64_t mcv_memory_left(const mcv_memory *memory) {
+    const uint64_t total = mcv_memory_total(memory);
+    if (memory->limit == 0) return UINT64_MAX;
+    return total < memory->limit ? memory->limit - total : 0;
+}
+
 mcv_result mcv_memory_take(mcv_memory *memory, uint64_t *part, uint64_t bytes,
                            const mcv_json_path *place, mcv_error *error) {
-    const uint64_t total = mcv_memory_total(memory);
+    const uint64_t total = mcv_memory_total(memory), left = mcv_memory_left(memory);
     *part += bytes;
-    if (memory->limit == 0 || (total <= memory->limit && bytes <= memory->limit - total))
-        return MCV_OK;
+    if (bytes <= left) return MCV_OK;
     return mcv_fail_at(place, error,
                        "with it the scene takes %.4g MB (files %.4g, images %.4g, geometry %.4g), "
                        "more than the limit of %.4g MB: raise it by --memory",

@@ -25,6 +25,9 @@ mcv_result mcv_memory_take(mcv_memory *memory, uint64_t *part, uint64_t bytes,
 
 uint64_t mcv_memory_total(const mcv_memory *memory);
 
+/* What the limit leaves; UINT64_MAX where there is none. */
+uint64_t mcv_memory_left(const mcv_memory *memory);
+
 /* At least the bytes that a JSON text takes as a tree. */
 uint64_t mcv_memory_of_json(const char *text, size_t size);
 
