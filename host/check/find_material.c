@@ -8,7 +8,7 @@
 
 #include <math.h>
 #include <stdio.h>
-#include <stdlib.h>
+#include <string.h>
 
 static bool is_in_use(const mcv_scene *scene, uint32_t material) {
     for (uint32_t i = 0; i < scene->instance_count; ++i)
@@ -18,11 +18,6 @@ static bool is_in_use(const mcv_scene *scene, uint32_t material) {
 
 /* --- the layer of metallicRoughness --- */
 
-/* Microfacets with the reflectance at normal incidence of Schlick's F. */
-typedef struct layer {
-    double alpha, f0;
-} layer;
-
 /* splitmix64, as a number in (0, 1). */
 static double unit(uint64_t *state) {
     uint64_t x = *state += 0x9e3779b97f4a7c15U;
@@ -31,63 +26,115 @@ static double unit(uint64_t *state) {
     return ((double)((x ^ x >> 31) >> 11) + 0.5) * 0x1p-53;
 }
 
+/* Reflectances at normal incidence that a walk counts at once, from 0 to 1, and steps of roughness
+ * between which shares are linear. */
+enum { NODES = 13, STEPS = 32 };
+
+/* What a layer reflects once and more than once, for each node. */
+typedef struct counted {
+    double of[2][NODES];
+} counted;
+
+/*
+ * Layers of microfacets. What one reflects is a power series of its reflectance f0 at normal
+ * incidence, with terms of at least 0: a polynomial through the nodes of Chebyshev and Lobatto
+ * serves every f0. A scene of many materials thus takes the walks of STEPS + 1 layers at most.
+ */
+typedef struct layers {
+    double nodes[NODES];
+    bool walked[STEPS + 1];
+    counted even[STEPS + 1], grazing[STEPS + 1]; /* even light; light at 80° */
+} layers;
+
+static void layers_begin(layers *l) {
+    memset(l, 0, sizeof *l);
+    for (int k = 0; k < NODES; ++k) l->nodes[k] = 0.5 - 0.5 * cos(M_PI * k / (NODES - 1));
+}
+
 /*
  * One walk from microfacet to microfacet (Heitz and others 2016) of light from this cosine: adds
- * what the layer reflects once to shares[0], and more than once to shares[1]. After each microfacet
- * a part of the light leaves, and the walk goes on with the rest. `below` is the share of the
- * surface below the light.
+ * what the layer reflects. After each microfacet a part of the light leaves, and the walk goes on
+ * with the rest, which is `white` for white microfacets. `below` is the share of the surface below
+ * the light.
  */
-static void walk(const layer *l, double cosine, uint64_t *state, double shares[2]) {
-    const double alpha[2] = {l->alpha, l->alpha}, negligible = 1e-5;
-    double back[3] = {sqrt(1 - cosine * cosine), 0, cosine}, weight = 1;
-    double below = pow(unit(state), 1 / (1 + mcv_smith(l->alpha, cosine)));
-    for (int meeting = 1; weight > negligible; ++meeting) {
+static void walk(const double *nodes, double alpha, double cosine, uint64_t *state, counted *sums) {
+    const double alphas[2] = {alpha, alpha}, negligible = 1e-5;
+    double back[3] = {sqrt(1 - cosine * cosine), 0, cosine}, white = 1, weights[NODES];
+    double below = pow(unit(state), 1 / (1 + mcv_smith(alpha, cosine)));
+    for (int k = 0; k < NODES; ++k) weights[k] = 1;
+    for (int meeting = 1; white > negligible; ++meeting) {
         const double left = sqrt(unit(state)), angle = 2 * M_PI * unit(state),
                      turn[2] = {cos(angle), sin(angle)};
         double on[3], c, h[3];
-        mcv_reflect_by_facet(alpha, back, left, turn, on, &c, h);
-        const double smith = mcv_smith(l->alpha, fmax(fabs(on[2]), 1e-12)),
+        mcv_reflect_by_facet(alphas, back, left, turn, on, &c, h);
+        const double smith = mcv_smith(alpha, fmax(fabs(on[2]), 1e-12)),
                      leaves = on[2] > 0 ? pow(below, smith) : 0,
-                     chance = leaves + (1 - leaves) * unit(state);
-        weight *= l->f0 + (1 - l->f0) * pow(1 - c, 5);
-        shares[meeting > 1] += weight * leaves;
-        weight *= 1 - leaves;
+                     chance = leaves + (1 - leaves) * unit(state), schlick = pow(1 - c, 5);
+        double *to = sums->of[meeting > 1];
+        for (int k = 0; k < NODES; ++k) {
+            weights[k] *= nodes[k] + (1 - nodes[k]) * schlick;
+            to[k] += weights[k] * leaves;
+            weights[k] *= 1 - leaves;
+        }
+        white *= 1 - leaves;
         below = fmin(below / pow(chance, on[2] > 0 ? 1 / fmax(smith, 1e-12) : -1 / (1 + smith)), 1);
         for (int k = 0; k < 3; ++k) back[k] = -on[k];
     }
 }
 
-/* What the layer reflects once and more than once, of even light or of light at one cosine. */
-static void walk_often(const layer *l, double cosine, double shares[2]) {
+/* Of even light, or with a cosine above 0 of light at that. */
+static void walk_often(const double *nodes, double alpha, double cosine, counted *means) {
     enum { WALKS = 1 << 15 };
     uint64_t state = 1;
-    shares[0] = shares[1] = 0;
-    for (int k = 0; k < WALKS; ++k)
-        walk(l, cosine > 0 ? cosine : sqrt((k + 0.5) / WALKS), &state, shares);
-    for (int k = 0; k < 2; ++k) shares[k] /= WALKS;
+    for (int i = 0; i < WALKS; ++i)
+        walk(nodes, alpha, cosine > 0 ? cosine : sqrt((i + 0.5) / WALKS), &state, means);
+    for (int k = 0; k < NODES; ++k) {
+        means->of[0][k] /= WALKS;
+        means->of[1][k] /= WALKS;
+    }
+}
+
+/* The part of each node in the polynomial's value at f0: the barycentric formula (Berrut and
+ * Trefethen 2004). */
+static void weigh_nodes(const double *nodes, double f0, double parts[NODES]) {
+    double sum = 0;
+    for (int k = 0; k < NODES; ++k) {
+        const double away = f0 - nodes[k], end = k == 0 || k == NODES - 1 ? 0.5 : 1;
+        if (away == 0) {
+            for (int i = 0; i < NODES; ++i) parts[i] = i == k;
+            return;
+        }
+        sum += parts[k] = (k % 2 ? -end : end) / away;
+    }
+    for (int k = 0; k < NODES; ++k) parts[k] /= sum;
 }
 
 /* What a layer reflects, {once, more than once}, of even light and of light at 80°. */
 typedef struct shares {
-    layer of;
     double even[2], grazing[2];
 } shares;
 
-/* The layers that were walked on: an assembly has few, and many materials. */
-typedef struct known_layers {
-    shares *items;
-    size_t count;
-} known_layers;
-
-static const shares *shares_of(known_layers *known, double alpha, double f0) {
-    const double cos_80 = 0.17364817766693035;
-    for (size_t i = 0; i < known->count; ++i)
-        if (known->items[i].of.alpha == alpha && known->items[i].of.f0 == f0)
-            return known->items + i;
-    shares *s = known->items + known->count++;
-    s->of = (layer){alpha, f0};
-    walk_often(&s->of, 0, s->even);
-    walk_often(&s->of, cos_80, s->grazing);
+static shares shares_of(layers *l, double roughness, double f0) {
+    const double least = 0.032, /* a roughness below counts as that */
+        cos_80 = 0.17364817766693035,
+                 place = (fmax(roughness, least) - least) / (1 - least) * STEPS;
+    const int first = (int)fmin(place, STEPS - 1);
+    shares s = {{0, 0}, {0, 0}};
+    double parts[NODES];
+    weigh_nodes(l->nodes, f0, parts);
+    for (int step = first; step < first + 2; ++step) {
+        const double r = least + (1 - least) * step / STEPS, part = 1 - fabs(place - step);
+        if (!l->walked[step]) {
+            walk_often(l->nodes, r * r, 0, &l->even[step]);
+            walk_often(l->nodes, r * r, cos_80, &l->grazing[step]);
+            l->walked[step] = true;
+        }
+        for (int more = 0; more < 2; ++more)
+            for (int k = 0; k < NODES; ++k) {
+                s.even[more] += part * parts[k] * l->even[step].of[more][k];
+                s.grazing[more] += part * parts[k] * l->grazing[step].of[more][k];
+            }
+    }
     return s;
 }
 
@@ -112,18 +159,17 @@ typedef struct lack {
 
 static double most(const lack *l) { return fmax(l->even, l->grazing); }
 
-static lack lack_of(const mcv_material *m, known_layers *known) {
+static lack lack_of(const mcv_material *m, layers *of) {
     const mcv_metallic_roughness_params *p = &m->as.metallic_roughness;
-    const double least = 0.032, /* a roughness below counts as that */
-        r = fmax(mcv_material_roughness(m).roughness, least);
-    const shares *plastic = shares_of(known, r * r, pow((p->ior - 1) / (p->ior + 1), 2));
+    const double roughness = mcv_material_roughness(m).roughness;
+    const shares plastic = shares_of(of, roughness, pow((p->ior - 1) / (p->ior + 1), 2));
     lack worst = {.even = -1, .grazing = -1};
     for (int c = 0; c < 3; ++c) {
         const double base = p->baseColor[c];
-        const shares *metal = p->metallic > 0 ? shares_of(known, r * r, base) : plastic;
-        const lack one = {m, missing(plastic->even, metal->even, p->metallic, base),
-                          missing(plastic->grazing, metal->grazing, p->metallic, base),
-                          plastic->even[1] / (1 - plastic->even[0])};
+        const shares metal = p->metallic > 0 ? shares_of(of, roughness, base) : plastic;
+        const lack one = {m, missing(plastic.even, metal.even, p->metallic, base),
+                          missing(plastic.grazing, metal.grazing, p->metallic, base),
+                          plastic.even[1] / (1 - plastic.even[0])};
         if (most(&one) > most(&worst)) worst = one;
     }
     return worst;
@@ -165,22 +211,18 @@ mcv_result mcv_find_layer(const mcv_scene *scene, mcv_findings *findings, mcv_er
     lack worst = {.material = NULL};
     uint32_t count = 0;
     if (findings->least > MCV_SEVERITY_NOTE) return MCV_OK;
-    /* For each material a plastic, and a metal in each channel. */
-    known_layers known = {.items = calloc(4 * (size_t)scene->material_count + 1, sizeof(shares))};
-    if (!known.items)
-        return mcv_fail(error, MCV_FAILED, "%s: no memory for what its materials reflect",
-                        scene->path);
+    layers of;
+    layers_begin(&of);
     for (uint32_t i = 0; i < scene->material_count; ++i) {
         const mcv_material *m = scene->materials + i;
         if (m->type != MCV_MATERIAL_METALLIC_ROUGHNESS ||
             !(m->as.metallic_roughness.metallic < 1) || !is_in_use(scene, i))
             continue;
-        const lack one = lack_of(m, &known);
+        const lack one = lack_of(m, &of);
         if (most(&one) < from) continue;
         ++count;
         if (most(&one) > most(&worst)) worst = one;
     }
-    free(known.items);
     return worst.material ? report_layer(&worst, count - 1, from, findings, error) : MCV_OK;
 }
 

@@ -174,10 +174,20 @@ static mcv_result pack_all(const mcv_scene *scene, const mcv_packed *earlier, mc
     return MCV_OK;
 }
 
-mcv_result mcv_pack(const mcv_scene *scene, const mcv_packed *earlier, mcv_packed *packed,
-                    mcv_error *error) {
-    memset(packed, 0, sizeof *packed);
+static mcv_result pack_or_free(const mcv_scene *scene, const mcv_packed *earlier,
+                               mcv_packed *packed, mcv_error *error) {
     const mcv_result result = pack_all(scene, earlier, packed, error);
     if (result != MCV_OK) mcv_packed_free(packed);
     return result;
+}
+
+mcv_result mcv_pack(const mcv_scene *scene, const mcv_packed *earlier, mcv_packed *packed,
+                    mcv_error *error) {
+    *packed = (mcv_packed){.for_features_alone = false};
+    return pack_or_free(scene, earlier, packed, error);
+}
+
+mcv_result mcv_pack_for_features(const mcv_scene *scene, mcv_packed *packed, mcv_error *error) {
+    *packed = (mcv_packed){.for_features_alone = true};
+    return pack_or_free(scene, NULL, packed, error);
 }

@@ -33,6 +33,7 @@ typedef struct mcv_packed {
     uint32_t channels;
     mcv_box3d *boxes; /* of the instances in the world */
     bool moves;       /* some of the instances do */
+    bool for_features_alone;
     double centre[3]; /* world point that is the device's origin, on a power-of-two grid */
 
     uint32_t vertex_count, triangle_count, instance_count, material_count, emitter_count,
@@ -49,7 +50,7 @@ typedef struct mcv_packed {
     mcv_device_instance *instances;
     mcv_device_material *materials;
     mcv_device_glossy *glossy; /* of each material, or NULL */
-    float *albedos;
+    float *albedos;            /* zeros where packed for features alone */
     size_t albedo_count;
     mcv_albedo_source *albedo_sources; /* of each table in it */
     uint32_t albedo_source_count;
@@ -83,6 +84,9 @@ typedef struct mcv_packed {
  */
 mcv_result mcv_pack(const mcv_scene *scene, const mcv_packed *earlier, mcv_packed *packed,
                     mcv_error *error);
+/* The same for who asks for features alone: tables of microfacets, which only kernels read and
+ * which take a tenth of a second for each rough metal, are not made. */
+mcv_result mcv_pack_for_features(const mcv_scene *scene, mcv_packed *packed, mcv_error *error);
 void mcv_packed_free(mcv_packed *packed);
 
 /* pack_solids.c: the exact surfaces, about packed->centre; and in double. */

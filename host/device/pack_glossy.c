@@ -88,7 +88,9 @@ static mcv_result find_table(const mcv_packed *earlier, mcv_packed *packed,
         return mcv_fail(error, MCV_FAILED, "no memory for the albedos of microfacets");
     source.table = *table = (uint32_t)packed->albedo_count;
     found = find_source(earlier, &source);
-    if (found)
+    if (packed->for_features_alone)
+        memset(albedos + *table, 0, words * sizeof *albedos);
+    else if (found)
         memcpy(albedos + *table, earlier->albedos + found->table, words * sizeof *albedos);
     else if (!integrate(&source, albedos + *table))
         return mcv_fail(error, MCV_FAILED, "no memory for the multiple scattering of microfacets");

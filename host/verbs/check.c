@@ -144,7 +144,7 @@ mcv_result mcv_check_pack(const mcv_command *command, const mcv_scene *scene, mc
             scene->path);
     if (command->sensor) MCV_TRY(mcv_sensor_find(scene, command->sensor, &checked->sensor, error));
     if (command->html) MCV_TRY(mcv_output_check(command->html, error));
-    MCV_TRY(mcv_pack(scene, NULL, &checked->packed, error));
+    MCV_TRY(mcv_pack_for_features(scene, &checked->packed, error));
     for (uint32_t i = 0; i < scene->sensor_count; ++i)
         if (i == checked->sensor || (!command->sensor && !command->defines))
             checked->packed.features =

@@ -207,7 +207,7 @@ static void test_shipped_scenes(void **state) {
         snprintf(path, sizeof path, MCV_SOURCE_DIR "/scenes/%s", entry->d_name);
         if (mcv_scene_load(path, (mcv_overrides){NULL, 0}, &scene, &error) != MCV_OK)
             fail_msg("%s", error.text);
-        if (mcv_pack(scene, NULL, &packed, &error) != MCV_OK) fail_msg("%s", error.text);
+        if (mcv_pack_for_features(scene, &packed, &error) != MCV_OK) fail_msg("%s", error.text);
         for (uint32_t s = 0; s < scene->sensor_count; ++s, ++count)
             expect_nothing_unneeded(entry->d_name, packed.features, packed.channels,
                                     scene->sensors[s].type);
