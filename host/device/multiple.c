@@ -111,6 +111,12 @@ static double once_at(double alpha, const heading *a, const heading *b, double h
 static void count_reflections(double alpha, const heading *from, double shares[3]) {
     enum { RADII_1 = 24, ANGLES_1 = 12, RADII_2 = 12, ANGLES_2 = 12 };
     const double own = from->lambda, o[3] = {from->sine, 0, from->cosine};
+    double turns_2[ANGLES_2][2];
+    for (int a = 0; a < ANGLES_2; ++a) {
+        const double angle = 2 * pi * (a + 0.5) / ANGLES_2;
+        turns_2[a][0] = cos(angle);
+        turns_2[a][1] = sin(angle);
+    }
     memset(shares, 0, 3 * sizeof *shares);
     for (int f = 0; f < RADII_1 * ANGLES_1; ++f) {
         /* Steep microfacets reflect light downwards: left = v² puts points there. The two sides of
@@ -128,11 +134,9 @@ static void count_reflections(double alpha, const heading *from, double shares[3
         for (int g = 0; g < RADII_2 * ANGLES_2; ++g) {
             const double u = (g % RADII_2 + 0.5) / RADII_2,
                          second = first * 4 * u * u * u / (RADII_2 * ANGLES_2);
-            const int about = g / RADII_2;
-            const double other = 2 * pi * (about + 0.5) / ANGLES_2,
-                         to[2] = {cos(other), sin(other)};
             double i[3];
-            mcv_reflect_by_facet((const double[2]){alpha, alpha}, back, u * u, to, i, &c, h);
+            mcv_reflect_by_facet((const double[2]){alpha, alpha}, back, u * u, turns_2[g / RADII_2],
+                                 i, &c, h);
             const double out = i[2] > 0 ? mcv_smith(alpha, i[2]) : 0;
             const double leaves = i[2] > 0 ? (1 + own) / (1 + own + out) *
                                                  (w[2] > 0 ? 1 : (1 + hit) / (1 + hit + out))

@@ -62,23 +62,40 @@ static void opposite(const double a[3], double b[3]) {
     for (int k = 0; k < 3; ++k) b[k] = -a[k];
 }
 
+/* Where two microfacets are chosen among the visible ones. */
+typedef struct facet_points {
+    double left[2], turn[2][2];
+} facet_points;
+
+/* Exact, as fmod(x, 1) is, which takes longer. */
+static double fraction(double x) { return x - floor(x); }
+
+/* The point of this number of an additive recurrence. */
+static facet_points points_of(int number) {
+    static const double steps[4] = {0.85667488385450, 0.73389185662717, 0.62870672005510,
+                                    0.53859725722362}; /* g^-k, g^5 = g + 1 */
+    double u[4];
+    for (int k = 0; k < 4; ++k) u[k] = fraction(0.5 + steps[k] * number);
+    return (facet_points){
+        {sqrt(u[0]), sqrt(u[2])},
+        {{cos(2 * pi * u[1]), sin(2 * pi * u[1])}, {cos(2 * pi * u[3]), sin(2 * pi * u[3])}}};
+}
+
 /* which == 0: one microfacet chosen from each end; 1: both from o; 2: both from i. */
 static trail choose_trail(const double alpha[2], const double o[3], const double i[3], int which,
-                          const double u[4]) {
-    const double turn1[2] = {cos(2 * pi * u[1]), sin(2 * pi * u[1])},
-                 turn2[2] = {cos(2 * pi * u[3]), sin(2 * pi * u[3])};
+                          const facet_points *at) {
     double m1[3] = {0}, m2[3] = {0}, cosine, h[3];
     trail t = {0};
     if (which < 2) {
-        mcv_reflect_by_facet(alpha, o, sqrt(u[0]), turn1, t.w1, &cosine, h);
+        mcv_reflect_by_facet(alpha, o, at->left[0], at->turn[0], t.w1, &cosine, h);
         opposite(t.w1, m1);
     } else {
-        mcv_reflect_by_facet(alpha, i, sqrt(u[0]), turn1, m2, &cosine, h);
+        mcv_reflect_by_facet(alpha, i, at->left[0], at->turn[0], m2, &cosine, h);
         opposite(m2, t.w2);
     }
-    if (which == 0) mcv_reflect_by_facet(alpha, i, sqrt(u[2]), turn2, m2, &cosine, h);
-    if (which == 1) mcv_reflect_by_facet(alpha, m1, sqrt(u[2]), turn2, t.w2, &cosine, h);
-    if (which == 2) mcv_reflect_by_facet(alpha, t.w2, sqrt(u[2]), turn2, m1, &cosine, h);
+    if (which == 0) mcv_reflect_by_facet(alpha, i, at->left[1], at->turn[1], m2, &cosine, h);
+    if (which == 1) mcv_reflect_by_facet(alpha, m1, at->left[1], at->turn[1], t.w2, &cosine, h);
+    if (which == 2) mcv_reflect_by_facet(alpha, t.w2, at->left[1], at->turn[1], m1, &cosine, h);
     if (which == 0) opposite(m2, t.w2);
     if (which == 1) opposite(t.w2, m2);
     if (which == 2) opposite(m1, t.w1);
@@ -88,20 +105,15 @@ static trail choose_trail(const double alpha[2], const double o[3], const double
     return t;
 }
 
-/* Exact, as fmod(x, 1) is, which takes longer. */
-static double fraction(double x) { return x - floor(x); }
-
 double mcv_three_reflections(const double alpha[2], const double o[3], const double i[3],
                              int choices, int left_out) {
-    static const double steps[4] = {0.85667488385450, 0.73389185662717, 0.62870672005510,
-                                    0.53859725722362}; /* g^-k, g^5 = g + 1 */
     const double from = mcv_smith_at(alpha, o), to = mcv_smith_at(alpha, i);
     double sum = 0;
+    facet_points at;
     for (int choice = 0; choice < 3 * choices; ++choice) {
-        const int number = choice / 3 + 1 + left_out;
-        double u[4], m1[3];
-        for (int k = 0; k < 4; ++k) u[k] = fraction(0.5 + steps[k] * number);
-        const trail t = choose_trail(alpha, o, i, choice % 3, u);
+        double m1[3];
+        if (choice % 3 == 0) at = points_of(choice / 3 + 1 + left_out);
+        const trail t = choose_trail(alpha, o, i, choice % 3, &at);
         if (!(t.d1 > 0 && t.d2 > 0 && t.d3 > 0)) continue;
         const double z1 = fmax(fabs(t.w1[2]), 1e-12), z2 = fmax(fabs(t.w2[2]), 1e-12);
         const double value = t.d1 * t.d2 * t.d3 / (16 * z1 * z2) *
