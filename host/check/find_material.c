@@ -6,6 +6,7 @@
 #include "device/microsurface.h"
 #include "scene/materials.h"
 
+#include <float.h>
 #include <math.h>
 #include <stdio.h>
 #include <string.h>
@@ -51,19 +52,27 @@ static void layers_begin(layers *l) {
     for (int k = 0; k < NODES; ++k) l->nodes[k] = 0.5 - 0.5 * cos(M_PI * k / (NODES - 1));
 }
 
+/* Where a walk begins: the cosine of its light, and numbers in (0, 1) for its first microfacet. */
+typedef struct start {
+    double cosine, height, left, turn;
+} start;
+
 /*
- * One walk from microfacet to microfacet (Heitz and others 2016) of light from this cosine: adds
- * what the layer reflects. After each microfacet a part of the light leaves, and the walk goes on
- * with the rest, which is `white` for white microfacets. `below` is the share of the surface below
- * the light.
+ * One walk from microfacet to microfacet (Heitz and others 2016) of light of this weight: adds what
+ * the layer reflects. After each microfacet a part of the light leaves, and the walk goes on with
+ * the rest, which is `white` for white microfacets. `below` is the share of the surface below the
+ * light.
  */
-static void walk(const double *nodes, double alpha, double cosine, uint64_t *state, counted *sums) {
+static void walk(const double *nodes, double alpha, const start *from, double weight,
+                 uint64_t *state, counted *sums) {
     const double alphas[2] = {alpha, alpha}, negligible = 1e-5;
-    double back[3] = {sqrt(1 - cosine * cosine), 0, cosine}, white = 1, weights[NODES];
-    double below = pow(unit(state), 1 / (1 + mcv_smith(alpha, cosine)));
-    for (int k = 0; k < NODES; ++k) weights[k] = 1;
+    double back[3] = {sqrt(1 - from->cosine * from->cosine), 0, from->cosine}, white = 1,
+           weights[NODES];
+    double below = pow(from->height, 1 / (1 + mcv_smith(alpha, from->cosine)));
+    for (int k = 0; k < NODES; ++k) weights[k] = weight;
     for (int meeting = 1; white > negligible; ++meeting) {
-        const double left = sqrt(unit(state)), angle = 2 * M_PI * unit(state),
+        const double left = sqrt(meeting > 1 ? unit(state) : from->left),
+                     angle = 2 * M_PI * (meeting > 1 ? unit(state) : from->turn),
                      turn[2] = {cos(angle), sin(angle)};
         double on[3], c, h[3];
         mcv_reflect_by_facet(alphas, back, left, turn, on, &c, h);
@@ -82,15 +91,22 @@ static void walk(const double *nodes, double alpha, double cosine, uint64_t *sta
     }
 }
 
-/* Of even light, or with a cosine above 0 of light at that. */
+/*
+ * Of even light, or with a cosine above 0 of light at that. Cosines are at equal steps, since
+ * microfacets that are seen at grazing angles reflect most light twice; the first microfacets are
+ * points of an additive recurrence.
+ */
 static void walk_often(const double *nodes, double alpha, double cosine, counted *means) {
     enum { WALKS = 1 << 15 };
+    static const double steps[3] = {0.81917251339616, 0.67104360670379,
+                                    0.54970047790197}; /* g^-k, g^4 = g + 1 */
     uint64_t state = 1;
-    for (int i = 0; i < WALKS; ++i)
-        walk(nodes, alpha, cosine > 0 ? cosine : sqrt((i + 0.5) / WALKS), &state, means);
-    for (int k = 0; k < NODES; ++k) {
-        means->of[0][k] /= WALKS;
-        means->of[1][k] /= WALKS;
+    for (int i = 0; i < WALKS; ++i) {
+        const double even = (i + 0.5) / WALKS;
+        double u[3];
+        for (int k = 0; k < 3; ++k) u[k] = fmod(0.5 + steps[k] * (i + 1), 1);
+        const start from = {cosine > 0 ? cosine : even, u[0], u[1], u[2]};
+        walk(nodes, alpha, &from, (cosine > 0 ? 1 : 2 * even) / WALKS, &state, means);
     }
 }
 
@@ -100,7 +116,7 @@ static void weigh_nodes(const double *nodes, double f0, double parts[NODES]) {
     double sum = 0;
     for (int k = 0; k < NODES; ++k) {
         const double away = f0 - nodes[k], end = k == 0 || k == NODES - 1 ? 0.5 : 1;
-        if (away == 0) {
+        if (fabs(away) < DBL_EPSILON) { /* its rounding; a quotient could overflow */
             for (int i = 0; i < NODES; ++i) parts[i] = i == k;
             return;
         }
@@ -124,6 +140,7 @@ static shares shares_of(layers *l, double roughness, double f0) {
     weigh_nodes(l->nodes, f0, parts);
     for (int step = first; step < first + 2; ++step) {
         const double r = least + (1 - least) * step / STEPS, part = 1 - fabs(place - step);
+        if (part == 0) continue;
         if (!l->walked[step]) {
             walk_often(l->nodes, r * r, 0, &l->even[step]);
             walk_often(l->nodes, r * r, cos_80, &l->grazing[step]);

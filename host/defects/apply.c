@@ -3,6 +3,8 @@
 #include "defects/facets.h"
 
 #include "scene/geometry.h"
+#include "scene/memory.h"
+#include "scene/mesh.h"
 #include "scene/transform.h"
 
 #include <math.h>
@@ -43,6 +45,26 @@ static mcv_result change(const mcv_ground *ground, mcv_facets *facets, const mcv
     return MCV_OK;
 }
 
+/*
+ * The bytes by which the scene grows as facets replace the marked triangles of an instance. A mesh
+ * that other instances have, too, is copied. Vertices of a flat mesh are no longer shared, and get
+ * normals.
+ */
+static uint64_t growth_of(const mcv_scene *scene, uint32_t instance, const mcv_facets *facets,
+                          const uint8_t *marked) {
+    const uint64_t triangle = MCV_TRIANGLE_BYTES + 3 * sizeof(uint32_t) + sizeof(mcv_corner);
+    const uint32_t number = scene->instances[instance].mesh;
+    const mcv_mesh *old = scene->meshes + number;
+    uint64_t removed = 0, added = 0, users = 0;
+    for (uint32_t t = 0; t < old->triangle_count; ++t) removed += marked[t];
+    for (size_t f = 0; f < facets->count; ++f) added += facets->items[f].instance == instance;
+    for (uint32_t i = 0; i < scene->instance_count; ++i)
+        users += scene->instances[i].mesh == number;
+    return (added > removed ? triangle * (added - removed) : 0) +
+           (users > 1 ? mcv_mesh_bytes(old) : 0) +
+           (old->normals ? 0 : 3 * sizeof(float[6]) * (old->triangle_count - removed));
+}
+
 static mcv_result replace_one(mcv_scene *scene, uint32_t instance, const mcv_defect *defect,
                               const mcv_facets *facets, const uint8_t *marked,
                               const mcv_json_path *place, mcv_error *error) {
@@ -52,6 +74,8 @@ static mcv_result replace_one(mcv_scene *scene, uint32_t instance, const mcv_def
         return mcv_fail_at(place, error,
                            "node \"%s\" emits light: defects are for surfaces that do not",
                            scene->instances[instance].name);
+    MCV_TRY(mcv_memory_take(&scene->memory, &scene->memory.geometry,
+                            growth_of(scene, instance, facets, marked), place, error));
     if (mcv_defect_kind_of(defect->type) == MCV_KIND_PATCH)
         MCV_TRY(mcv_facets_add_patch(facets, scene, instance, marked, defect, place, error));
     return mcv_facets_replace(facets, scene, instance, marked, defect, place, error);

@@ -117,8 +117,8 @@ mcv_result mcv_facets_add_patch(const mcv_facets *facets, mcv_scene *scene, uint
 
 /* Makes a mesh, in the way of the instance's own, of its triangles without those that are marked
  * (NULL: of none), and of the facets of the instance that are (`of_patch`) or are not within the
- * patch. It is counted in the scene's memory, as placed once. */
-mcv_result mcv_facets_mesh(const mcv_facets *facets, mcv_scene *scene, uint32_t instance,
+ * patch. */
+mcv_result mcv_facets_mesh(const mcv_facets *facets, const mcv_scene *scene, uint32_t instance,
                            const uint8_t *marks, bool patch, bool of_patch, mcv_mesh *mesh,
                            const mcv_json_path *place, mcv_error *error);
 

@@ -3,7 +3,6 @@
 #include "defects/facets.h"
 
 #include "core/basics.h"
-#include "scene/memory.h"
 #include "scene/mesh.h"
 #include "scene/transform.h"
 
@@ -121,25 +120,12 @@ static bool spread(building *b, const mcv_mesh *old) {
     return true;
 }
 
-static uint64_t array_bytes(const mcv_mesh *m) {
-    const uint64_t floats = 3 + (m->normals ? 3 : 0) + (m->texcoords ? 2 : 0) +
-                            (m->texcoords1 ? 2 : 0) + (m->tangents ? 4 : 0);
-    return 3 * sizeof(uint32_t) * m->triangle_count + floats * sizeof(float) * m->vertex_count;
-}
-
-static uint64_t placed_bytes(const mcv_mesh *m) {
-    return (uint64_t)MCV_TRIANGLE_BYTES * m->triangle_count;
-}
-
 /* The mesh changes owners. It takes the old one's place unless other instances use that. */
 static mcv_result put(mcv_scene *scene, uint32_t instance, mcv_mesh *mesh, mcv_error *error) {
     const uint32_t number = scene->instances[instance].mesh;
     uint32_t users = 0;
     for (uint32_t i = 0; i < scene->instance_count; ++i)
         users += scene->instances[i].mesh == number;
-    const uint64_t freed = placed_bytes(scene->meshes + number) +
-                           (users > 1 ? 0 : array_bytes(scene->meshes + number));
-    scene->memory.geometry -= freed < scene->memory.geometry ? freed : scene->memory.geometry;
     if (users > 1) {
         MCV_TRY(mcv_scene_take_mesh(scene, mesh, error));
         scene->instances[instance].mesh = scene->mesh_count - 1;
@@ -196,7 +182,7 @@ static bool keep(building *b, const mcv_scene *scene, uint32_t instance, const u
     return numbers != NULL;
 }
 
-mcv_result mcv_facets_mesh(const mcv_facets *facets, mcv_scene *scene, uint32_t instance,
+mcv_result mcv_facets_mesh(const mcv_facets *facets, const mcv_scene *scene, uint32_t instance,
                            const uint8_t *marks, bool patch, bool of_patch, mcv_mesh *mesh,
                            const mcv_json_path *place, mcv_error *error) {
     const mcv_mesh *old = scene->meshes + scene->instances[instance].mesh;
@@ -211,16 +197,13 @@ mcv_result mcv_facets_mesh(const mcv_facets *facets, mcv_scene *scene, uint32_t 
     const bool memory_for_kept = keep(&b, scene, instance, marks, kept_count);
     for (size_t f = 0; f < facets->count; ++f)
         if (chosen(&which, facets->items + f)) add_facet(&b, facets->items + f);
-    mcv_result result = memory_for_kept && spread(&b, old) ? MCV_OK : mcv_fail_memory(place, error);
-    if (result == MCV_OK)
-        result = mcv_memory_take(&scene->memory, &scene->memory.geometry,
-                                 array_bytes(&b.mesh) + placed_bytes(&b.mesh), place, error);
-    if (result == MCV_OK) {
+    const bool memory = memory_for_kept && spread(&b, old);
+    if (memory) {
         *mesh = b.mesh;
         b.mesh = (mcv_mesh){0};
     }
     end(&b);
-    return result;
+    return memory ? MCV_OK : mcv_fail_memory(place, error);
 }
 
 mcv_result mcv_facets_replace(const mcv_facets *facets, mcv_scene *scene, uint32_t instance,

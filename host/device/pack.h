@@ -50,7 +50,7 @@ typedef struct mcv_packed {
     mcv_device_instance *instances;
     mcv_device_material *materials;
     mcv_device_glossy *glossy; /* of each material, or NULL */
-    float *albedos;            /* zeros where packed for features alone */
+    float *albedos;
     size_t albedo_count;
     mcv_albedo_source *albedo_sources; /* of each table in it */
     uint32_t albedo_source_count;
@@ -84,8 +84,8 @@ typedef struct mcv_packed {
  */
 mcv_result mcv_pack(const mcv_scene *scene, const mcv_packed *earlier, mcv_packed *packed,
                     mcv_error *error);
-/* The same for who asks for features alone: tables of microfacets, which only kernels read and
- * which take a tenth of a second for each rough metal, are not made. */
+/* The same without the tables of microfacets, and without the colour of rough metals, which follows
+ * from them: a table takes a tenth of a second. Features, channels and words of paths need none. */
 mcv_result mcv_pack_for_features(const mcv_scene *scene, mcv_packed *packed, mcv_error *error);
 void mcv_packed_free(mcv_packed *packed);
 

@@ -70,9 +70,12 @@ static const mcv_albedo_source *find_source(const mcv_packed *packed,
     return NULL;
 }
 
-/* The table from this source: an existing one, one of the previous scene, or a new one. */
+/* The table from this source: an existing one, one of the previous scene, or a new one. For
+ * features alone none is made. */
 static mcv_result find_table(const mcv_packed *earlier, mcv_packed *packed,
                              mcv_albedo_source source, uint32_t *table, mcv_error *error) {
+    *table = MCV_NONE;
+    if (packed->for_features_alone) return MCV_OK;
     const mcv_albedo_source *found = find_source(packed, &source);
     if (found) {
         *table = found->table;
@@ -88,9 +91,7 @@ static mcv_result find_table(const mcv_packed *earlier, mcv_packed *packed,
         return mcv_fail(error, MCV_FAILED, "no memory for the albedos of microfacets");
     source.table = *table = (uint32_t)packed->albedo_count;
     found = find_source(earlier, &source);
-    if (packed->for_features_alone)
-        memset(albedos + *table, 0, words * sizeof *albedos);
-    else if (found)
+    if (found)
         memcpy(albedos + *table, earlier->albedos + found->table, words * sizeof *albedos);
     else if (!integrate(&source, albedos + *table))
         return mcv_fail(error, MCV_FAILED, "no memory for the multiple scattering of microfacets");
@@ -155,7 +156,7 @@ mcv_result mcv_pack_glossy(const mcv_scene *scene, const mcv_packed *earlier, mc
         memcpy(multiple.n, from->as.conductor.n, sizeof multiple.n);
         memcpy(multiple.k, from->as.conductor.k, sizeof multiple.k);
         MCV_TRY(find_table(earlier, packed, multiple, &to->multiple, error));
-        for (int k = 0; k < 3; ++k)
+        for (int k = 0; k < 3 && to->table != MCV_NONE; ++k)
             packed->materials[i].color[k] = (float)left_by_facets(
                 mcv_conductor_mean(from->as.conductor.n[k], from->as.conductor.k[k]),
                 packed->albedos[to->table]);

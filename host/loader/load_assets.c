@@ -43,6 +43,8 @@ static mcv_result open_stl(mcv_loader *loader, mcv_loader *asset, const json_t *
                         there = mcv_json_path_key(place, "uri");
     const char *slash = strrchr(uri, '/');
     if (cached) {
+        MCV_TRY(mcv_memory_take(loader->memory, &loader->memory->geometry,
+                                mcv_mesh_bytes(cached->solid->meshes), &there, error));
         memcpy(size, cached->size, sizeof size);
         asset->fingerprint = cached->fingerprint;
         asset->solid = asset->scene->mesh_count;

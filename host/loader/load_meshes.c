@@ -30,8 +30,8 @@ static void triangle_at(uint64_t mode, uint64_t t, uint64_t vertices[3]) {
  * Makes triangles of `count` vertices (of the list, or in their order if list is NULL). Strips are
  * joined by degenerate triangles, which are dropped. Takes ownership of `list`.
  */
-static mcv_result make_triangles(uint64_t mode, uint64_t count, uint32_t *list, mcv_mesh *mesh,
-                                 const mcv_json_path *place, mcv_error *error) {
+static mcv_result make_triangles(mcv_memory *memory, uint64_t mode, uint64_t count, uint32_t *list,
+                                 mcv_mesh *mesh, const mcv_json_path *place, mcv_error *error) {
     const uint64_t triangles = mode == MODE_TRIANGLES ? count / 3 : count < 3 ? 0 : count - 2;
     if (triangles > INT32_MAX) {
         free(list);
@@ -43,10 +43,13 @@ static mcv_result make_triangles(uint64_t mode, uint64_t count, uint32_t *list, 
         mesh->triangle_count = (uint32_t)triangles;
         return MCV_OK;
     }
-    mesh->indices = malloc((3 * triangles + 1) * sizeof *mesh->indices);
-    if (!mesh->indices) {
+    const uint64_t bytes = 3 * triangles * sizeof *mesh->indices;
+    mcv_result result = mcv_memory_take(memory, &memory->geometry, bytes, place, error);
+    if (result == MCV_OK && !(mesh->indices = malloc(bytes + 1)))
+        result = mcv_fail_memory(place, error);
+    if (result != MCV_OK) {
         free(list);
-        return mcv_fail_memory(place, error);
+        return result;
     }
     for (uint64_t t = 0; t < triangles; ++t) {
         uint32_t *triangle = mesh->indices + 3 * (size_t)mesh->triangle_count;
@@ -126,7 +129,7 @@ static mcv_result read_primitive(mcv_loader *loader, const json_t *primitive, ui
         free(list);
         return result;
     }
-    MCV_TRY(make_triangles(mode, listed, list, mesh, place, error));
+    MCV_TRY(make_triangles(loader->memory, mode, listed, list, mesh, place, error));
     if (mode == MODE_TRIANGLES && listed % 3 != 0)
         MCV_TRY(mcv_scene_warn(loader->scene, error,
                                "mesh \"%s\": %u vertices at its end make no triangle", mesh->name,

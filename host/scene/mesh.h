@@ -32,6 +32,13 @@ mcv_result mcv_mesh_make_normals(mcv_mesh *mesh, double crease_angle, const mcv_
 
 void mcv_mesh_free(mcv_mesh *mesh);
 
+/* Bytes of its arrays. */
+static inline uint64_t mcv_mesh_bytes(const mcv_mesh *m) {
+    const uint64_t floats = 3 + (m->normals ? 3 : 0) + (m->texcoords ? 2 : 0) +
+                            (m->texcoords1 ? 2 : 0) + (m->tangents ? 4 : 0);
+    return 3 * sizeof(uint32_t) * m->triangle_count + floats * sizeof(float) * m->vertex_count;
+}
+
 /* Like mcv_scene_add_mesh, but takes ownership of the arrays, which must have passed
  * mcv_mesh_check. On failure they are freed. */
 mcv_result mcv_scene_take_mesh(mcv_scene *scene, mcv_mesh *mesh, mcv_error *error);

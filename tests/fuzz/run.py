@@ -5,13 +5,13 @@
     run.py BUILD SECONDS [NAME...]   each target (or those named) for SECONDS
 
 Inputs that reach new code are kept in BUILD/corpus/NAME for the next run; BUILD/sums/NAME.json counts
-inputs and processor seconds of all runs. An input that crashes a
-target, takes more than 10 s or more than 1 GB is left in BUILD/found; the exit code is then 1.
+inputs and processor seconds of all runs. An input that crashes a target, takes more than 10 s or more
+than 1 GB is left in BUILD/found; the exit code is then 1.
+
 Targets write their inputs as files into memory where the system has /dev/shm: a disk would take most
-of the time.
-Seeds are the shipped scenes and experiments, the files of Khronos' validator in tests/strict, those of
-openexr-images in tests/io, pictures of docs/, the files in ../shared/data where they are, and small
-files of ours (seeds.py).
+of the time. Seeds are the shipped scenes and experiments, the files of Khronos' validator in
+tests/strict, those of openexr-images in tests/io, pictures of docs/, the files in ../shared/data where
+they are, and small files of ours (seeds.py).
 """
 
 import json
@@ -70,7 +70,9 @@ def add(path, inputs, seconds):
     sums = json.loads(path.read_text()) if path.exists() else {"inputs": 0, "seconds": 0}
     sums = {"inputs": sums["inputs"] + inputs, "seconds": sums["seconds"] + seconds}
     path.parent.mkdir(exist_ok=True)
-    path.write_text(json.dumps(sums))
+    whole = path.with_suffix(".part")
+    whole.write_text(json.dumps(sums))
+    whole.replace(path)
     return sums
 
 

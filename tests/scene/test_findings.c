@@ -441,16 +441,18 @@ static char *read_lacks(mcv_scene *scene, mcv_finding *finding, double lacks[2])
     return grazing;
 }
 
-static void expect_share(const char *what, double found, double truth, const char *sentence) {
-    if (fabs(found / truth - 1) > 0.1)
+/* The rule's walks know a share to 1.0 to 1.7 % (the deviation of 20 seeds): 4 % are more than two
+ * of them. `rounding` is that of the number in the sentence. */
+static void expect_share(const char *what, double found, double truth, double rounding,
+                         const char *sentence) {
+    if (fabs(found - truth) > 0.04 * truth + rounding)
         fail_msg("%s: %g instead of %g: %s", what, found, truth, sentence);
 }
 
 /*
  * Of 400 000 walks of another program (NumPy, other numbers), α = 0.2: over black 4.63 and 7.46 %,
- * and 0.0030 are missing in the base; over 0.1 1.64 and 4.59 %, and 0.0027. The rule's 32 768 walks
- * know it to 3.3 % (the deviation of 30 seeds): 10 % are three of them. Of a colour, the channel
- * that lacks most counts.
+ * and 0.0030 are missing in the base; over 0.1 1.64 and 4.59 %, and 0.0027. Of a colour, the
+ * channel that lacks most counts.
  */
 static void test_what_a_layer_lacks(void **state) {
     static const struct {
@@ -467,11 +469,13 @@ static void test_what_a_layer_lacks(void **state) {
         const char *grazing =
             read_lacks(layered_in(mcv_scene_new("paint"), sqrt(0.2), truths[i].base, 0, MCV_NONE),
                        &finding, lacks);
-        expect_share("even light", lacks[0], truths[i].lacks[0], finding.sentence);
-        expect_share("light at 80 degrees", lacks[1], truths[i].lacks[1], finding.sentence);
+        expect_share("even light", lacks[0], truths[i].lacks[0], 0.05, finding.sentence);
+        expect_share("light at 80 degrees", lacks[1], truths[i].lacks[1], 0.05, finding.sentence);
         char *add = strstr(grazing, "add ") + strlen("add");
         int numbers = 0;
-        do expect_share("base", strtod(add + 1, &add), truths[i].add[numbers], finding.sentence);
+        do
+            expect_share("base", strtod(add + 1, &add), truths[i].add[numbers], 5e-5,
+                         finding.sentence);
         while (++numbers < truths[i].count && *add == ',');
         assert_int_equal(numbers, truths[i].count);
         assert_int_not_equal(*add, ',');
@@ -480,16 +484,15 @@ static void test_what_a_layer_lacks(void **state) {
 
 /*
  * The same by 6.4 million walks of a third program, which follows single rays by heights where the
- * rule follows shares. Its deviation is below 0.5 %, the rule's as above. Roughnesses lie between
- * the rule's steps, and the f0 of plastic and of metal between its nodes.
+ * rule follows shares; its deviation is below 0.5 %. Roughnesses lie between the rule's steps, and
+ * the f0 of plastic and of metal between its nodes. A base next to 0 is as good as 0.
  */
 static void test_layers_of_all_kinds(void **state) {
     static const struct {
         double roughness, base, metallic, lacks[2];
-    } truths[] = {{0.3, 0, 0, {2.930, 6.341}},
-                  {0.7, 0, 0, {6.549, 5.593}},
-                  {1, 0, 0, {9.023, 5.401}},
-                  {0.6, 0.05, 0.5, {1.735, 2.362}},
+    } truths[] = {{0.21, 0, 0, {1.534, 2.728}},       {0.3, 0, 0, {2.925, 6.334}},
+                  {0.6, 1e-310, 0.5, {4.482, 3.643}}, {0.7, 0, 0, {6.549, 5.593}},
+                  {1, 0, 0, {9.023, 5.401}},          {0.6, 0.05, 0.5, {1.735, 2.362}},
                   {0.85, 0, 0.7, {5.475, 2.489}}};
     (void)state;
     for (size_t i = 0; i < sizeof truths / sizeof truths[0]; ++i) {
@@ -498,8 +501,8 @@ static void test_layers_of_all_kinds(void **state) {
         read_lacks(layered(mcv_scene_new("mixed"), truths[i].roughness, truths[i].base,
                            truths[i].metallic),
                    &finding, lacks);
-        expect_share("even light", lacks[0], truths[i].lacks[0], finding.sentence);
-        expect_share("light at 80 degrees", lacks[1], truths[i].lacks[1], finding.sentence);
+        expect_share("even light", lacks[0], truths[i].lacks[0], 0.05, finding.sentence);
+        expect_share("light at 80 degrees", lacks[1], truths[i].lacks[1], 0.05, finding.sentence);
     }
 }
 
