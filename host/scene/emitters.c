@@ -306,12 +306,16 @@ double mcv_emitter_projected_solid_angle(const mcv_emitter *emitter) {
 }
 
 /* A projector whose image is not known yet has one of a pixel. */
-static double projector_unit_power(const mcv_scene *scene, const mcv_emitter *emitter) {
+static void projector_tangents(const mcv_scene *scene, const mcv_emitter *emitter, double edge[2]) {
     const mcv_texture pixel = {.width = 1, .height = 1};
-    double edge[2];
     mcv_image_tangents(&emitter->as.projector,
                        emitter->texture == MCV_NONE ? &pixel : scene->textures + emitter->texture,
                        edge);
+}
+
+static double projector_unit_power(const mcv_scene *scene, const mcv_emitter *emitter) {
+    double edge[2];
+    projector_tangents(scene, emitter, edge);
     return image_share(&emitter->as.projector, -edge[0], edge[0], -edge[1], edge[1]);
 }
 
@@ -349,11 +353,24 @@ double mcv_emitter_unit_power(const mcv_scene *scene, const mcv_emitter *emitter
     }
 }
 
+/* No lens comes near, and a sum over the cells of such an image (image_share) would not end. */
+static mcv_result check_image_angle(const mcv_scene *scene, const mcv_emitter *emitter,
+                                    const mcv_json_path *place, mcv_error *error) {
+    double edge[2];
+    if (emitter->type != MCV_EMITTER_PROJECTOR) return MCV_OK;
+    projector_tangents(scene, emitter, edge);
+    if (edge[0] <= 10 && edge[1] <= 10) return MCV_OK;
+    return mcv_fail_at(place, error,
+                       "its image reaches more than 84 degrees off the axis: check the units of "
+                       "pixelSize and imageDistance");
+}
+
 mcv_result mcv_emitter_resolve(const mcv_scene *scene, mcv_emitter *emitter,
                                const mcv_json_path *place, mcv_error *error) {
     const char *unit, *key = mcv_emitter_brightness(emitter, &unit);
     const double *brightness = mcv_emitter_parameter(emitter, key);
     const double *power = mcv_emitter_parameter(emitter, "power");
+    MCV_TRY(check_image_angle(scene, emitter, place, error));
     const bool has_power = power && power != brightness && !isnan(power[0]);
     if (isnan(brightness[0]) && !has_power)
         return mcv_fail_at(place, error, "needs %s [%s] or power [W]", key, unit);

@@ -5,6 +5,7 @@
 
 #include "check/findings.h"
 #include "reference/filling.h"
+#include "scene/emitters.h"
 
 /* How many of the scene's findings say this. */
 static int findings(const mcv_scene *scene, const char *words) {
@@ -90,6 +91,23 @@ static mcv_emitter projector_of(double side, double depth) {
     p->pixelSize[0] = p->pixelSize[1] = side;
     for (int k = 0; k < 3; ++k) p->radiance[k] = 1;
     return projector;
+}
+
+/* The sums over such an image took minutes, or did not end. */
+static void test_image_far_off_the_axis(void **state) {
+    const mcv_json_path place = mcv_place_file("(test)");
+    (void)state;
+    for (int i = 0; i < 3; ++i) {
+        mcv_scene *scene = mcv_scene_new("(test)");
+        mcv_error error;
+        mcv_emitter projector = projector_of(i == 0 ? 1.99 : 2.01, 0.5);
+        projector.texture = MCV_NONE; /* a pixel, whose edges lie at tangents of 10 */
+        if (i == 2) projector.as.projector.imageDistance = 1e-20;
+        const mcv_result result = mcv_emitter_resolve(scene, &projector, &place, &error);
+        assert_int_equal(result, i == 0 ? MCV_OK : MCV_BAD_INPUT);
+        if (i > 0 && !strstr(error.text, "84 degrees off the axis")) fail_msg("%s", error.text);
+        mcv_scene_free(scene);
+    }
 }
 
 static void test_emitter_that_lights_nothing(void **state) {
@@ -373,6 +391,7 @@ static void test_directions(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_image_far_off_the_axis),
         cmocka_unit_test(test_emitter_that_lights_nothing),
         cmocka_unit_test(test_sensor_that_sees_nothing),
         cmocka_unit_test(test_open_bodies),
