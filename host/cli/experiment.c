@@ -7,7 +7,6 @@
 #include "core/json.h"
 #include "core/output_file.h"
 
-#include <errno.h>
 #include <limits.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -110,15 +109,10 @@ static mcv_result check_programs(const json_t *document, const mcv_command *give
 static mcv_result run_file(const experiment *e, const mcv_command *given, const char *path,
                            mcv_error *error) {
     char rig[PATH_MAX];
-    json_error_t wrong;
     mcv_arguments arguments = {0};
     mcv_command command;
-    json_t *document = json_load_file(path, JSON_REJECT_DUPLICATES, &wrong);
-    if (!document)
-        return wrong.line > 0
-                   ? mcv_fail(error, MCV_BAD_INPUT, "%s: line %d column %d is not JSON: %s", path,
-                              wrong.line, wrong.column, mcv_json_wrong(&wrong))
-                   : mcv_fail(error, MCV_BAD_INPUT, "%s: %s", path, strerror(errno));
+    json_t *document;
+    MCV_TRY(mcv_json_file_read(path, &document, error));
     mcv_result result = mcv_client_rig(document, path, rig, error);
     if (result == MCV_OK) result = check_programs(document, given, path, error);
     json_object_del(document, "rig");

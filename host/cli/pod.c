@@ -7,7 +7,6 @@
 #include "core/basics.h"
 #include "core/json.h"
 
-#include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -94,12 +93,8 @@ static mcv_result study_document(const mcv_command *c, json_t *document, mcv_err
 }
 
 static mcv_result study_experiment(const mcv_command *c, mcv_error *error) {
-    json_error_t wrong;
-    json_t *document = json_load_file(c->argument, JSON_REJECT_DUPLICATES, &wrong);
-    if (!document && wrong.line > 0)
-        return mcv_fail(error, MCV_BAD_INPUT, "%s: line %d column %d is not JSON: %s", c->argument,
-                        wrong.line, wrong.column, mcv_json_wrong(&wrong));
-    if (!document) return mcv_fail(error, MCV_BAD_INPUT, "%s: %s", c->argument, strerror(errno));
+    json_t *document;
+    MCV_TRY(mcv_json_file_read(c->argument, &document, error));
     const mcv_result result = study_document(c, document, error);
     json_decref(document);
     return result;

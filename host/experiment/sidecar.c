@@ -9,6 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 static json_t *describe(const mcv_sidecar *s) {
     char file[PATH_MAX], folder[PATH_MAX], copy[PATH_MAX];
@@ -26,6 +27,20 @@ static json_t *describe(const mcv_sidecar *s) {
         return document;
     json_decref(document);
     return NULL;
+}
+
+mcv_result mcv_sidecar_is_free(const char *path, mcv_error *error) {
+    json_t *document;
+    mcv_error ignored;
+    if (access(path, F_OK) != 0) return MCV_OK;
+    const bool own = mcv_json_file_read(path, &document, &ignored) == MCV_OK &&
+                     json_is_string(json_object_get(document, "fingerprint"));
+    json_decref(document);
+    return own ? MCV_OK
+               : mcv_fail(error, MCV_BAD_INPUT,
+                          "%s exists already, and was not written beside a table: replace it by "
+                          "--force, or give another name by -o",
+                          path);
 }
 
 mcv_result mcv_sidecar_write(const mcv_sidecar *s, mcv_error *error) {
@@ -48,13 +63,9 @@ static bool is_free(const char *key) {
 }
 
 static mcv_result compare(const mcv_sidecar *s, const json_t *before, const json_t *now,
-                          const char *wrong, mcv_error *error) {
+                          mcv_error *error) {
     const char *key, *hash = json_string_value(json_object_get(before, "fingerprint"));
     const json_t *value;
-    if (!before)
-        return mcv_fail(error, MCV_BAD_INPUT,
-                        "%s: cannot be read (%s): without it %s cannot be resumed", s->path, wrong,
-                        s->table);
     if (!hash || strcmp(hash, s->fingerprint) != 0)
         return mcv_fail(
             error, MCV_BAD_INPUT,
@@ -76,9 +87,13 @@ static mcv_result compare(const mcv_sidecar *s, const json_t *before, const json
 }
 
 mcv_result mcv_sidecar_check(const mcv_sidecar *s, mcv_error *error) {
-    json_error_t wrong;
-    json_t *before = json_load_file(s->path, JSON_REJECT_DUPLICATES, &wrong), *now = describe(s);
-    const mcv_result result = compare(s, before, now, wrong.text, error);
+    json_t *before, *now;
+    mcv_error why;
+    if (mcv_json_file_read(s->path, &before, &why) != MCV_OK)
+        return mcv_fail(error, MCV_BAD_INPUT, "%s; without it %s cannot be resumed", why.text,
+                        s->table);
+    now = describe(s);
+    const mcv_result result = compare(s, before, now, error);
     json_decref(before);
     json_decref(now);
     return result;

@@ -17,6 +17,10 @@ typedef struct mcv_sidecar {
     json_t *settings;        /* an object whose members are written too; NULL: none */
 } mcv_sidecar;
 
+/* Is there no file at `path`, or one that was written beside a table? Another one is MCV_BAD_INPUT:
+ * it is a file of the user, of which only the table's name was given. */
+mcv_result mcv_sidecar_is_free(const char *path, mcv_error *error);
+
 /* Writes the file. */
 mcv_result mcv_sidecar_write(const mcv_sidecar *sidecar, mcv_error *error);
 

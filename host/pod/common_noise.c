@@ -1,7 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "pod/common_noise.h"
 
-#include <jansson.h>
+#include "core/json.h"
+
 #include <limits.h>
 #include <stdio.h>
 #include <string.h>
@@ -33,7 +34,9 @@ bool mcv_pod_common_noise(const char *table, const char *value_name) {
     const char *dot = strrchr(table, '.');
     if (!dot || snprintf(path, sizeof path, "%.*s.json", (int)(dot - table), table) >= PATH_MAX)
         return false;
-    json_t *experiment = json_load_file(path, 0, NULL);
+    json_t *experiment;
+    mcv_error ignored;
+    if (mcv_json_file_read(path, &experiment, &ignored) != MCV_OK) return false;
     const bool common = is_common(experiment, value_name);
     json_decref(experiment);
     return common;

@@ -1,10 +1,10 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "pod/page.h"
 
+#include "core/json.h"
 #include "io/html.h"
 #include "pod/page_plots.h"
 
-#include <jansson.h>
 #include <limits.h>
 #include <math.h>
 #include <stdlib.h>
@@ -130,7 +130,9 @@ static void put_simulated(FILE *out, const char *table) {
     json_t *value;
     if (!dot || snprintf(path, sizeof path, "%.*s.json", (int)(dot - table), table) >= PATH_MAX)
         return;
-    json_t *experiment = json_load_file(path, 0, NULL);
+    json_t *experiment;
+    mcv_error ignored;
+    if (mcv_json_file_read(path, &experiment, &ignored) != MCV_OK) return;
     if (!json_is_object(experiment)) {
         json_decref(experiment);
         return;

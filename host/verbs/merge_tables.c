@@ -2,10 +2,13 @@
 #include "verbs/merge_tables.h"
 
 #include "core/basics.h"
+#include "core/json.h"
 #include "core/output_file.h"
+#include "experiment/sidecar.h"
 #include "experiment/table.h"
 #include "verbs/sweep.h"
 
+#include <errno.h>
 #include <libgen.h>
 #include <limits.h>
 #include <stdio.h>
@@ -48,17 +51,20 @@ static mcv_result read_table(joining *j, const char *path, table *t) {
     char sidecar[PATH_MAX];
     uint8_t *bytes;
     size_t size;
-    json_error_t wrong;
+    mcv_error why;
     MCV_TRY(sidecar_of(path, sidecar, j->error));
     MCV_TRY(mcv_file_load(path, &bytes, &size, j->error));
     t->path = path;
     t->text = (char *)bytes; /* the load leaves room for an end */
     t->text[size] = '\0';
-    t->experiment = json_load_file(sidecar, JSON_REJECT_DUPLICATES, &wrong);
+    if (strlen(t->text) != size)
+        return mcv_fail(j->error, MCV_BAD_INPUT, "%s: has a byte 0: it is no table of a sweep",
+                        path);
+    if (mcv_json_file_read(sidecar, &t->experiment, &why) != MCV_OK)
+        return mcv_fail(j->error, MCV_BAD_INPUT, "%s; without it %s cannot be merged", why.text,
+                        path);
     if (!json_is_object(t->experiment))
-        return mcv_fail(j->error, MCV_BAD_INPUT,
-                        "%s: cannot be read (%s): without it %s cannot be merged", sidecar,
-                        wrong.text, path);
+        return mcv_fail(j->error, MCV_BAD_INPUT, "%s: must be an object of JSON", sidecar);
     if (!strchr(t->text, '\n'))
         return mcv_fail(j->error, MCV_BAD_INPUT, "%s: has no header: it is no table of a sweep",
                         path);
@@ -100,8 +106,9 @@ static bool is_to_retry(const char *text, size_t length) {
 
 static mcv_result add_line(joining *j, const char *text, size_t length, size_t number) {
     char *end;
+    errno = 0;
     const long set = strtol(text, &end, 10);
-    if (end == text || *end != ',' || set < 0)
+    if (*text < '0' || *text > '9' || *end != ',' || errno == ERANGE)
         return mcv_fail(j->error, MCV_BAD_INPUT, "%s: has a line that is no row: %.40s",
                         j->tables[number].path, text);
     if (is_to_retry(text, length)) {
@@ -236,7 +243,9 @@ mcv_result mcv_tables_join(mcv_texts paths, const char *output, bool force, mcv_
         return mcv_fail(error, MCV_BAD_INPUT,
                         "%s exists already: replace it by --force, or give another name by -o",
                         output);
+    if (!force) MCV_TRY(mcv_sidecar_is_free(sidecar, error));
     MCV_TRY(mcv_output_check(output, error));
+    MCV_TRY(mcv_output_check(sidecar, error));
     j.tables = calloc(paths.count, sizeof *j.tables);
     const mcv_result result = j.tables ? join(&j, paths, output, sidecar, report, error)
                                        : mcv_fail(error, MCV_FAILED, "no memory for the tables");

@@ -152,6 +152,47 @@ static void test_rows_begin_with_a_set(void **state) {
     }
 }
 
+/* A file that only has the name of what is written beside a table is kept, as it is. */
+static void test_files_of_the_user_are_kept(void **state) {
+    static const char plate[] = "{\"plate\": 1}\n";
+    (void)state;
+    write_file("plate.json", plate);
+    program_fails("merge part.0-of-3.csv part.1-of-3.csv -o plate.csv", 3,
+                  "plate.json exists already, and was not written beside a table");
+    program_fails(SWEEP " -o plate.csv", 3, "plate.json exists already");
+    assert_string_equal(read_whole("plate.json"), plate);
+    assert_int_equal(access("plate.csv", F_OK), -1);
+    program_well("merge part.0-of-3.csv part.1-of-3.csv -o plate.csv --force");
+    /* What a sweep has written there is replaced once its table is gone. */
+    assert_int_equal(unlink("plate.csv"), 0);
+    program_well(SWEEP " -o plate.csv");
+}
+
+/* Tables and what lies beside them are regular files of bounded size, without lost rows. */
+static void test_damaged_parts_are_told(void **state) {
+    static const char *const rows[] = {"99999999999999999999", "+1", " 1", "-1", "x"};
+    char command[256];
+    (void)state;
+    assert_int_equal(system("cp part.0-of-3.json bad.json; cp part.0-of-3.csv bad.csv; "
+                            "printf '\\0\\n1,1,1,1\\n' >>bad.csv"),
+                     0);
+    program_fails("merge bad.csv part.1-of-3.csv -o no.csv", 3, "bad.csv: has a byte 0");
+    for (size_t i = 0; i < sizeof rows / sizeof rows[0]; ++i) {
+        snprintf(command, sizeof command, "cp part.0-of-3.csv bad.csv; echo '%s,1,1,1' >>bad.csv",
+                 rows[i]);
+        assert_int_equal(system(command), 0);
+        program_fails("merge bad.csv part.1-of-3.csv -o no.csv", 3, "has a line that is no row");
+    }
+    assert_int_equal(system("cp part.0-of-3.csv bad.csv; rm bad.json; mkfifo bad.json"), 0);
+    program_fails("merge bad.csv part.1-of-3.csv -o no.csv", 3,
+                  "bad.json: is not a regular file; without it bad.csv cannot be merged");
+    program_fails("sweep bad.json", 3, "bad.json: is not a regular file");
+    program_fails("pod bad.json", 3, "bad.json: is not a regular file");
+    assert_int_equal(system("rm bad.json; head -c 4000001 /dev/zero >bad.json"), 0);
+    program_fails("merge bad.csv part.1-of-3.csv -o no.csv", 3, "bad.json: is larger than 4 MB");
+    assert_int_equal(access("no.csv", F_OK), -1);
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_parts_make_the_table),
@@ -161,6 +202,8 @@ int main(void) {
         cmocka_unit_test(test_no_device_ends_the_sweep),
         cmocka_unit_test(test_failed_sets_are_tried_again),
         cmocka_unit_test(test_rows_begin_with_a_set),
+        cmocka_unit_test(test_files_of_the_user_are_kept),
+        cmocka_unit_test(test_damaged_parts_are_told),
     };
     return cmocka_run_group_tests(tests, enter_folder, leave_folder);
 }
