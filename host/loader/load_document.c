@@ -142,6 +142,7 @@ void mcv_load_finish(mcv_loader *loader) {
     free(loader->emitters);
     free(loader->lights);
     mcv_load_free_bodies(loader);
+    mcv_load_free_frames(loader);
     free(loader->presets);
     free(loader->sensor_uses);
     free(loader->emitter_uses);

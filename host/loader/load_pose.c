@@ -5,7 +5,6 @@
 
 #include "scene/params.h"
 #include "scene/transform.h"
-#include "loader/validate.h"
 
 mcv_result mcv_load_local(const json_t *node, mcv_transform *transform, const mcv_json_path *place,
                           mcv_error *error) {
@@ -58,32 +57,9 @@ static mcv_transform stand(const double target[3], const pose_params *pose) {
     return transform;
 }
 
-static uint32_t find_parent(const json_t *nodes, uint32_t index) {
-    for (size_t i = 0; i < json_array_size(nodes); ++i) {
-        const json_t *children = json_object_get(json_array_get(nodes, i), "children");
-        for (size_t k = 0; k < json_array_size(children); ++k)
-            if (json_number_value(json_array_get(children, k)) == index) return (uint32_t)i;
-    }
-    return MCV_NONE;
-}
-
-static mcv_result find_node(const json_t *nodes, const char *name, uint32_t *index,
-                            const mcv_json_path *place, mcv_error *error) {
-    *index = MCV_NONE;
-    for (size_t i = 0; i < json_array_size(nodes); ++i) {
-        if (strcmp(mcv_json_name(json_array_get(nodes, i)), name) != 0) continue;
-        if (*index != MCV_NONE)
-            return mcv_fail_at(place, error,
-                               "the name \"%s\" is ambiguous: use the index %u or %zu", name,
-                               *index, i);
-        *index = (uint32_t)i;
-    }
-    return *index == MCV_NONE ? mcv_fail_at(place, error, "there is no node \"%s\"", name) : MCV_OK;
-}
-
 /* A point [m], or the origin of a node in the document's frame. */
-static mcv_result find_target(const mcv_loader *loader, const json_t *pose, int depth,
-                              double target[3], const mcv_json_path *place, mcv_error *error) {
+static mcv_result find_target(mcv_loader *loader, const json_t *pose, int depth, double target[3],
+                              const mcv_json_path *place, mcv_error *error) {
     const json_t *nodes = json_object_get(loader->root, "nodes"),
                  *value = json_object_get(pose, "target");
     const mcv_json_path here = mcv_json_path_key(place, "target");
@@ -104,7 +80,7 @@ static mcv_result find_target(const mcv_loader *loader, const json_t *pose, int 
         return MCV_OK;
     }
     if (json_is_string(value))
-        MCV_TRY(find_node(nodes, json_string_value(value), &index, &here, error));
+        MCV_TRY(mcv_load_find_node(loader, json_string_value(value), &index, &here, error));
     else
         MCV_TRY(
             mcv_json_index(pose, "target", json_array_size(nodes), "nodes", &index, place, error));
@@ -135,7 +111,7 @@ static mcv_result warn_of_degrees(mcv_scene *scene, const json_t *node, const js
     return MCV_OK;
 }
 
-mcv_result mcv_load_pose(const mcv_loader *loader, const json_t *node, int depth, bool *posed,
+mcv_result mcv_load_pose(mcv_loader *loader, const json_t *node, int depth, bool *posed,
                          mcv_transform *transform, const mcv_json_path *place, mcv_error *error) {
     static const char *const others[] = {"target", "extras", "extensions", NULL};
     const json_t *pose = mcv_json_extension(node, "MCVISI_pose");
@@ -156,25 +132,5 @@ mcv_result mcv_load_pose(const mcv_loader *loader, const json_t *node, int depth
     MCV_TRY(mcv_params_check(table, &params, place, error));
     MCV_TRY(find_target(loader, pose, depth, target, place, error));
     *transform = stand(target, &params);
-    return MCV_OK;
-}
-
-mcv_result mcv_load_transform(const mcv_loader *loader, uint32_t index, int depth,
-                              mcv_transform *transform, mcv_error *error) {
-    const json_t *nodes = json_object_get(loader->root, "nodes"),
-                 *node = json_array_get(nodes, index);
-    const mcv_json_path place = mcv_json_path_key(&loader->file, "nodes"),
-                        here = mcv_json_path_element(&place, mcv_json_name(node), index);
-    bool posed;
-    if (depth > MCV_NODE_DEPTH)
-        return mcv_fail_at(&here, error, "its pose has itself as its target, through other nodes");
-    MCV_TRY(mcv_load_pose(loader, node, depth, &posed, transform, &here, error));
-    if (posed) return MCV_OK;
-    MCV_TRY(mcv_load_local(node, transform, &here, error));
-    const uint32_t parent = find_parent(nodes, index);
-    if (parent == MCV_NONE) return MCV_OK;
-    mcv_transform outer;
-    MCV_TRY(mcv_load_transform(loader, parent, depth + 1, &outer, error));
-    *transform = mcv_transform_compose(&outer, transform);
     return MCV_OK;
 }

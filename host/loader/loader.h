@@ -94,13 +94,14 @@ typedef struct mcv_loader {
     size_t light_count;
     mcv_body *bodies; /* the definitions in MCVISI_surfaces */
     size_t body_count;
+    struct mcv_frames *frames; /* of nodes that poses refer to; NULL before the first */
     struct mcv_loader *assets; /* MCVISI_assets */
     char **asset_paths;
     size_t asset_count;
 } mcv_loader;
 
-/* What the files below need of each other. Each calls only those before it, with one exception: to
- * open a document is to open those of its assets. */
+/* What the files below need of each other. Each calls only those before it, with two exceptions: to
+ * open a document is to open those of its assets, and a pose has targets that are posed. */
 
 /* asset_cache.c: the asset at a path, or NULL; adds what an asset's loader has parsed. Assets that
  * have changed on disk are dropped at the begin of a load: until its end, its loaders share the
@@ -219,17 +220,20 @@ void mcv_load_free_bodies(mcv_loader *loader);
 /* load_defects.c: the defects of MCVISI_defects, when all nodes are placed. */
 mcv_result mcv_load_defects(mcv_loader *loader, mcv_error *error);
 
-/*
- * load_pose.c: a node's transform below its parent; by its MCVISI_pose, if it has one, in the
- * document's frame; or, by way of all parents, in the document's frame. depth counts targets and
- * parents followed so far.
- */
+/* load_pose.c: a node's transform below its parent; or, by its MCVISI_pose, if it has one, in the
+ * document's frame. depth counts targets and parents followed so far. */
 mcv_result mcv_load_local(const json_t *node, mcv_transform *transform, const mcv_json_path *place,
                           mcv_error *error);
-mcv_result mcv_load_pose(const mcv_loader *loader, const json_t *node, int depth, bool *posed,
+mcv_result mcv_load_pose(mcv_loader *loader, const json_t *node, int depth, bool *posed,
                          mcv_transform *transform, const mcv_json_path *place, mcv_error *error);
-mcv_result mcv_load_transform(const mcv_loader *loader, uint32_t index, int depth,
+
+/* load_frames.c: the node of a name; a node's transform in the document's frame, by its pose or by
+ * way of all parents. load_pose.c calls these, and is called by them. */
+mcv_result mcv_load_find_node(mcv_loader *loader, const char *name, uint32_t *index,
+                              const mcv_json_path *place, mcv_error *error);
+mcv_result mcv_load_transform(mcv_loader *loader, uint32_t index, int depth,
                               mcv_transform *transform, mcv_error *error);
+void mcv_load_free_frames(mcv_loader *loader);
 
 /* load_misalignment.c: changes a node's transform, in the frame that it is in, by its
  * MCVISI_misalignment, if it has one. Targets of poses do not follow. */

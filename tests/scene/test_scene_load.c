@@ -9,6 +9,7 @@
 
 #include <float.h>
 #include <math.h>
+#include <time.h>
 
 static mcv_scene *must_load(const char *text, const char *set) {
     mcv_scene *scene;
@@ -936,6 +937,96 @@ static void test_misalignment(void **state) {
     mcv_scene_free(scene);
 }
 
+/* Node 0 places `count` nodes p<i>, 10 cm in front of p<i-1>; that of p0 is `first`. Reversed: each
+ * stands in the file before its target. By parents: that of p<i> is c<i>, a child of c<i-1>, and
+ * 1 m above it. */
+enum { IN_ORDER, REVERSED, BY_PARENTS };
+
+static char *chain_of(int kind, int count, const char *first) {
+    char *text = NULL;
+    size_t size;
+    FILE *out = open_memstream(&text, &size);
+    assert_non_null(out);
+    fprintf(out, HEAD "\"nodes\":[{\"children\":[%d", 1);
+    for (int i = 2; i <= count + (kind == BY_PARENTS); ++i) fprintf(out, ",%d", i);
+    fputs("]}", out);
+    for (int k = 0; k < count; ++k) {
+        const int i = kind == REVERSED ? count - 1 - k : k;
+        char *target =
+            text_of(kind == BY_PARENTS ? "\"c%d\"" : "\"p%d\"", kind == BY_PARENTS ? i : i - 1);
+        fprintf(out,
+                ",{\"name\":\"p%d\",\"extensions\":{\"MCVISI_pose\":{\"target\":%s,"
+                "\"distance\":0.1}}}",
+                i, i > 0 || kind == BY_PARENTS ? target : first);
+        free(target);
+    }
+    for (int i = 0; kind == BY_PARENTS && i < count; ++i) {
+        fprintf(out, ",{\"name\":\"c%d\",\"translation\":[0,1,0]", i);
+        if (i + 1 < count) fprintf(out, ",\"children\":[%d]", 2 + count + i);
+        fputs("}", out);
+    }
+    fputs("]}", out);
+    fclose(out);
+    return text;
+}
+
+/* Up to 1000 targets and parents are followed, whatever the order; p<i> stands where it must. */
+static void test_chains_of_poses(void **state) {
+    (void)state;
+    for (int kind = IN_ORDER; kind <= BY_PARENTS; ++kind) {
+        const int most = kind == BY_PARENTS ? 999 : 1001;
+        char *text = chain_of(kind, most, "[0,0,0]");
+        mcv_scene *scene = must_load(text, NULL);
+        uint32_t found = 0;
+        for (uint32_t k = 0; k < scene->frame_count; ++k) {
+            if (scene->frames[k].name[0] != 'p') continue;
+            const int i = atoi(scene->frames[k].name + 1);
+            const double *at = scene->frames[k].to_world.m + 9;
+            const bool high = kind == BY_PARENTS;
+            assert_close(at[1], high ? i + 1 : 0, most, most, "height");
+            assert_close(at[2], high ? 0.1 : 0.1 * (i + 1), most, most, "distance");
+            ++found;
+        }
+        assert_int_equal(found, most);
+        mcv_scene_free(scene);
+        free(text);
+        if (kind == BY_PARENTS) continue;
+        text = chain_of(kind, most + 1, "[0,0,0]");
+        must_refuse("scene_load.gltf", text, "nodes/p0: its pose has itself as its target");
+        free(text);
+    }
+    /* The one of p0, p1 and p2 that 1000 targets lead to from the first node. */
+    char *text = chain_of(IN_ORDER, 3, "\"p2\"");
+    must_refuse("scene_load.gltf", text, "nodes/p1: its pose has itself as its target");
+    free(text);
+    text = chain_of(REVERSED, 3, "\"p2\"");
+    must_refuse("scene_load.gltf", text, "nodes/p0: its pose has itself as its target");
+    free(text);
+}
+
+/* Seconds of processor time for 960 poses: 8 chains of 120, or one of 960. */
+static double seconds_for(int kind, int count) {
+    char *text = chain_of(kind, count, "[0,0,0]");
+    struct timespec begin, end;
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &begin);
+    for (int i = 0; i < 960 / count; ++i) mcv_scene_free(must_load(text, NULL));
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &end);
+    free(text);
+    return (double)(end.tv_sec - begin.tv_sec) + 1e-9 * (double)(end.tv_nsec - begin.tv_nsec);
+}
+
+/* Each pose takes as long in a long chain as in short ones, not 8 or 64 times as long. Half way
+ * between, as times vary. */
+static void test_time_of_chains_of_poses(void **state) {
+    (void)state;
+    for (int kind = IN_ORDER; kind <= BY_PARENTS; ++kind) {
+        const double few = seconds_for(kind, 120), many = seconds_for(kind, 960);
+        print_message("8 chains of 120 poses: %.2g s, one of 960: %.2g s\n", few, many);
+        if (many > 2.8 * few)
+            fail_msg("kind %d: 8 chains of 120 poses take %g s, one of 960 %g s", kind, few, many);
+    }
+}
+
 /* A file in millimetres placed twice: its meshes come once, its camera not at all, its lamp glows.
  */
 static void test_assets(void **state) {
@@ -1062,6 +1153,8 @@ int main(void) {
                                        cmocka_unit_test(test_needles),
                                        cmocka_unit_test(test_extras),
                                        cmocka_unit_test(test_pose),
+                                       cmocka_unit_test(test_chains_of_poses),
+                                       cmocka_unit_test(test_time_of_chains_of_poses),
                                        cmocka_unit_test(test_misalignment),
                                        cmocka_unit_test(test_assets)};
     return cmocka_run_group_tests(tests, NULL, NULL);
