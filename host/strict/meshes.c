@@ -3,6 +3,7 @@
 #include "strict/strict_parts.h"
 
 #include <ctype.h>
+#include <stdlib.h>
 #include <string.h>
 
 /* A semantic with a number behind it: TEXCOORD_0. False where the name is none. */
@@ -108,23 +109,35 @@ static void check_elements(mcv_strict *s, const json_t *accessor, size_t row,
     }
 }
 
+/* The number that is kept under a text; without one, `number`, which is kept from then on. */
+static json_int_t keep_first(mcv_strict *s, json_t *kept, const char *text, json_int_t number) {
+    const json_t *known = text ? json_object_get(kept, text) : NULL;
+    if (known) return json_integer_value(known);
+    if (!text || json_object_set_new_nocheck(kept, text, json_integer(number)) != 0)
+        s->no_memory = true;
+    return number;
+}
+
 /* Do two attributes without a byteStride share a view? Each further one is told. */
 static void check_shared(mcv_strict *s, json_t *attributes, const mcv_json_path *place) {
-    const char *key, *other_key;
-    json_t *value, *other;
+    enum { SEVERAL = -1 };
+    json_t *kept = json_object(), *value; /* the accessor in each view */
+    const char *key;
     json_object_foreach(attributes, key, value) {
-        const json_t *a = mcv_strict_target(s, attributes, key, "accessors");
-        const json_t *view = mcv_strict_target(s, a, "bufferView", "bufferViews");
+        const json_t *accessor = mcv_strict_target(s, attributes, key, "accessors");
+        const json_t *view = mcv_strict_target(s, accessor, "bufferView", "bufferViews");
         const mcv_json_path here = mcv_json_path_key(place, key);
         if (!view || json_object_get(view, "byteStride")) continue;
-        json_object_foreach(attributes, other_key, other) {
-            if (strcmp(key, other_key) == 0) break; /* those before */
-            const json_t *b = mcv_strict_target(s, attributes, other_key, "accessors");
-            if (a != b && mcv_strict_target(s, b, "bufferView", "bufferViews") == view)
-                mcv_strict_find(s, "MESH_PRIMITIVE_ACCESSOR_WITHOUT_BYTESTRIDE", &here,
-                                "shares its bufferView, which needs a byteStride");
-        }
+        const json_int_t own = (json_int_t)mcv_strict_uint(attributes, key, 0);
+        char text[32];
+        snprintf(text, sizeof text, "%llu",
+                 (unsigned long long)mcv_strict_uint(accessor, "bufferView", 0));
+        if (keep_first(s, kept, text, own) == own) continue;
+        mcv_strict_find(s, "MESH_PRIMITIVE_ACCESSOR_WITHOUT_BYTESTRIDE", &here,
+                        "shares its bufferView, which needs a byteStride");
+        json_object_set_new_nocheck(kept, text, json_integer(SEVERAL));
     }
+    json_decref(kept);
 }
 
 static void check_attributes(mcv_strict *s, json_t *attributes, const mcv_json_path *place) {
@@ -272,27 +285,31 @@ static void check_material(mcv_strict *s, const json_t *primitive, const mcv_jso
                         "its anisotropy needs the attribute TANGENT, or a normal texture");
 }
 
-/* Variants of KHR_materials_variants: each at most once. */
+/* Variants of KHR_materials_variants: each in one mapping at most. */
 static void check_variants(mcv_strict *s, const json_t *primitive, const mcv_json_path *place) {
     const json_t *mappings =
         json_object_get(mcv_json_extension(primitive, "KHR_materials_variants"), "mappings");
     const mcv_json_path all = mcv_json_path_key(place, "extensions"),
                         here = mcv_json_path_key(&all, "KHR_materials_variants"),
                         list = mcv_json_path_key(&here, "mappings");
+    json_t *kept = mappings ? json_object() : NULL; /* the first mapping of each variant */
     for (size_t i = 0; i < json_array_size(mappings); ++i) {
         const json_t *variants = json_object_get(json_array_get(mappings, i), "variants");
         const mcv_json_path mapping = mcv_place_index(&list, i),
                             places = mcv_json_path_key(&mapping, "variants");
-        for (size_t k = 0; k < json_array_size(variants); ++k)
-            for (size_t j = 0; j < i; ++j) {
-                const json_t *others = json_object_get(json_array_get(mappings, j), "variants");
-                const mcv_json_path there = mcv_place_index(&places, k);
-                for (size_t l = 0; l < json_array_size(others); ++l)
-                    if (json_equal(json_array_get(variants, k), json_array_get(others, l)))
-                        mcv_strict_find(s, "KHR_MATERIALS_VARIANTS_NON_UNIQUE_VARIANT", &there,
-                                        "stands in another mapping, too");
-            }
+        for (size_t k = 0; k < json_array_size(variants); ++k) {
+            const json_t *variant = json_array_get(variants, k);
+            const bool zero = json_is_real(variant) && json_real_value(variant) == 0; /* or -0.0 */
+            char *text =
+                zero ? strdup("0.0") : json_dumps(variant, JSON_ENCODE_ANY | JSON_SORT_KEYS);
+            const mcv_json_path there = mcv_place_index(&places, k);
+            if (keep_first(s, kept, text, (json_int_t)i) < (json_int_t)i)
+                mcv_strict_find(s, "KHR_MATERIALS_VARIANTS_NON_UNIQUE_VARIANT", &there,
+                                "stands in another mapping, too");
+            free(text);
+        }
     }
+    json_decref(kept);
 }
 
 static void check_mesh(mcv_strict *s, const json_t *mesh, const mcv_json_path *place) {

@@ -35,25 +35,29 @@ void mcv_strict_find(mcv_strict *s, const char *code, const mcv_json_path *place
                      const char *format, ...) {
     enum { MOST = 10000 }; /* nobody reads more */
     mcv_strict_findings *f = s->findings;
-    char *pointer = pointer_of(place), *text = NULL;
+    if (f->count >= MOST) return;
+    char *pointer = pointer_of(place), *text = NULL, *whole = NULL;
     va_list arguments;
     va_start(arguments, format);
     if (vasprintf(&text, format, arguments) < 0) text = NULL;
     va_end(arguments);
-    bool seen = f->count >= MOST;
-    for (size_t i = 0; pointer && i < f->count && !seen; ++i)
-        seen = strcmp(f->items[i].code, code) == 0 && strcmp(f->items[i].pointer, pointer) == 0 &&
-               text && strcmp(f->items[i].text, text) == 0;
+    if (pointer && text &&
+        asprintf(&whole, "%s %zu %s%s", code, strlen(pointer), pointer, text) < 0)
+        whole = NULL;
+    if (!s->told) s->told = json_object();
+    const bool seen = whole && json_object_get(s->told, whole);
     mcv_strict_finding *items =
-        seen || !pointer || !text ? NULL : realloc(f->items, (f->count + 1) * sizeof *items);
-    if (items) {
-        f->items = items;
+        seen || !whole ? NULL : realloc(f->items, (f->count + 1) * sizeof *items);
+    if (items) f->items = items;
+    if (items && json_object_set_new_nocheck(s->told, whole, json_true()) == 0) {
         f->items[f->count++] = (mcv_strict_finding){code, pointer, text};
-        return;
+        pointer = text = NULL;
+    } else {
+        s->no_memory = s->no_memory || !seen;
     }
-    s->no_memory = s->no_memory || !seen;
     free(pointer);
     free(text);
+    free(whole);
 }
 
 void mcv_strict_free(mcv_strict_findings *findings) {
@@ -158,6 +162,7 @@ static void check_root(mcv_strict *s, const json_t *root) {
 }
 
 static mcv_result finish(mcv_strict *s, mcv_error *error) {
+    json_decref(s->told);
     if (!s->no_memory) return MCV_OK;
     mcv_strict_free(s->findings);
     return mcv_fail_memory(&s->file, error);

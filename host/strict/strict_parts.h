@@ -9,6 +9,7 @@
 
 typedef struct mcv_strict {
     mcv_strict_findings *findings;
+    json_t *told; /* the same, to be looked up */
     mcv_json_path file;
     const json_t *root;
     bool is_glb;
