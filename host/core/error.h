@@ -5,6 +5,9 @@
 
 #include "mcvisi/mcvisi.h"
 
+#include <stdarg.h>
+#include <stdbool.h>
+
 #ifdef __cplusplus
 extern "C" {
 #endif
@@ -14,6 +17,15 @@ extern "C" {
 mcv_result mcv_fail(mcv_error *error, mcv_result code, const char *format, ...)
 #ifdef __GNUC__
     __attribute__((format(printf, 3, 4)))
+#endif
+    ;
+
+/* Writes place and sentence. What does not fit is left out where it tells least: in long words,
+ * then in the middle. Where line feeds may stay, at the end. */
+void mcv_write_sentence(mcv_error *error, bool lines, const char *place, const char *format,
+                        va_list arguments)
+#ifdef __GNUC__
+    __attribute__((format(printf, 4, 0)))
 #endif
     ;
 

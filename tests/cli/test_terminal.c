@@ -115,9 +115,25 @@ static void test_limit_of_addresses(void **state) {
     if (!strstr(said, "within the limit of the address space")) fail_msg("%s", said);
 }
 
+/* Values of any length leave room for what is wrong. The shell makes them. */
+static void test_long_values(void **state) {
+    (void)state;
+    static const char *const values[] = {"x", "1,2,"};
+    for (int i = 0; i < 2; ++i) {
+        char line[256];
+        snprintf(line, sizeof line,
+                 "render s.gltf --sampler $(yes '%s' | head -8000 | tr -d '\\n')", values[i]);
+        program_fails(line, 2, "…: must be one of ");
+        snprintf(line, sizeof line, "render s.gltf --spp $(yes '%s' | head -8000 | tr -d '\\n')",
+                 values[i]);
+        program_fails(line, 2, "…: must be an integer from 1");
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test_setup_teardown(test_names, enter_folder, leave_folder),
+        cmocka_unit_test_setup_teardown(test_long_values, enter_folder, leave_folder),
         cmocka_unit_test_setup_teardown(test_paths, enter_folder, leave_folder),
         cmocka_unit_test_setup_teardown(test_extents, enter_folder, leave_folder),
         cmocka_unit_test_setup_teardown(test_limit_of_addresses, enter_folder, leave_folder)};

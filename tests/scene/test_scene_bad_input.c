@@ -656,15 +656,48 @@ static void test_other_names(void **state) {
     must_refuse("part.obj", "v 0 0 0", "must be a .gltf or .glb file");
 }
 
+#define EMITTER_OF(name, type) \
+    ASSET "\"extensions\":{\"MCVISI_emitters\":{\"emitters\":[{\"name\":\"" name \
+          "\",\"type\":\"" type "\"}]}}}"
+
+/* A value of any length leaves room for its place and for what is wrong. */
+static void test_long_values(void **state) {
+    (void)state;
+    static const struct {
+        const char *text, *says;
+    } cases[] = {
+        {EMITTER_OF("e", "%s"), "emitters/e/type: unknown type \"%s…\": known are parallel"},
+        {EMITTER_OF("%s", "laser"), "emitters/%s…/wavelength: is missing"},
+        {EMITTER_OF("%s", "%s"), "emitters/%s…/type: unknown type \"%s…\": known are parallel"},
+    };
+    static const char *const pieces[] = {"x", "ab", "1,2,", "µ", "€", "😀"};
+    for (size_t c = 0; c < sizeof cases / sizeof cases[0]; ++c)
+        for (size_t p = 0; p < sizeof pieces / sizeof pieces[0]; ++p) {
+            const size_t bytes = strlen(pieces[p]), count = 3000 / bytes;
+            char value[3001] = "", shown[65] = "";
+            for (size_t i = 0; i < count; ++i) memcpy(value + i * bytes, pieces[p], bytes + 1);
+            memcpy(shown, value, 64 / bytes * bytes);
+            char *text = text_of(cases[c].text, value, value),
+                 *says = text_of(cases[c].says, shown, shown);
+            must_refuse("bad_input.gltf", text, says);
+            free(text);
+            free(says);
+        }
+    /* Many words. */
+    char value[3001] = "";
+    for (size_t i = 0; i < 1000; ++i) memcpy(value + 3 * i, "µ ", 4);
+    char *text = text_of(EMITTER_OF("e", "%s"), value);
+    must_refuse("bad_input.gltf", text, "emitters/e/type: unknown type \"µ µ ");
+    must_refuse("bad_input.gltf", text, "µ µ \": known are parallel");
+    free(text);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_other_names),
-                                       cmocka_unit_test(test_single_faults),
-                                       cmocka_unit_test(test_bad_data),
-                                       cmocka_unit_test(test_bad_elements),
-                                       cmocka_unit_test(test_bad_emitting_meshes),
-                                       cmocka_unit_test(test_bad_files),
-                                       cmocka_unit_test(test_truncated_glb),
-                                       cmocka_unit_test(test_damaged),
-                                       cmocka_unit_test(test_validator_files)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_other_names), cmocka_unit_test(test_single_faults),
+        cmocka_unit_test(test_bad_data),    cmocka_unit_test(test_bad_elements),
+        cmocka_unit_test(test_long_values), cmocka_unit_test(test_bad_emitting_meshes),
+        cmocka_unit_test(test_bad_files),   cmocka_unit_test(test_truncated_glb),
+        cmocka_unit_test(test_damaged),     cmocka_unit_test(test_validator_files)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
