@@ -36,6 +36,9 @@ static inline bool mcv_defect_is_inside(uint32_t type) {
 /* Must its entry name a material? */
 bool mcv_defect_takes_material(uint32_t type);
 
+/* How many bodies with exact surfaces a defect adds to its scene; 0 for one on a surface. */
+uint32_t mcv_defect_bodies(const mcv_defect *defect);
+
 /* --- sizes on drawings --- */
 
 /* Does a text look like one of the notations below, not like a length? */

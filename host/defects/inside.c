@@ -236,6 +236,11 @@ static mcv_result add_tube(mcv_scene *scene, const mcv_defect *d, uint32_t k, mc
     return add_cylinder(scene, d, tube_radius(d, k), d->length, ior, k + 1, error);
 }
 
+uint32_t mcv_defect_bodies(const mcv_defect *defect) {
+    if (!mcv_defect_is_inside(defect->type)) return 0;
+    return defect->type == MCV_DEFECT_STRIA ? defect->tubes : 1;
+}
+
 mcv_result mcv_defect_embed(mcv_scene *scene, const mcv_defect *defect, mcv_error *error) {
     const double gas[3] = {defect->index, defect->index, defect->index};
     if (defect->type == MCV_DEFECT_CRACK)

@@ -11,6 +11,9 @@
 #include <stdlib.h>
 #include <string.h>
 
+/* Bytes of a placed defect: in an array that doubles its room, and its name. */
+enum { DEFECT_BYTES = 3 * sizeof(mcv_defect) + 256 };
+
 /* An array of three numbers, or of lengths with units. */
 static mcv_result read_three(const json_t *object, const char *key, bool lengths, double three[3],
                              const mcv_json_path *place, mcv_error *error) {
@@ -81,29 +84,49 @@ static mcv_result read_site(const json_t *object, bool by_chance, mcv_defect_sit
               : read_triangle(object, site, place, error);
 }
 
+/* What all entries need: how many bodies the defects inside of others will be. */
+typedef struct placing {
+    mcv_loader *loader;
+    uint32_t bodies;
+} placing;
+
+/* A thousand entries of a thousand defects each are a small file. What they take is told as each is
+ * placed. */
+static mcv_result keep_defect(placing *to, const mcv_defect *defect, const mcv_json_path *place,
+                              mcv_error *error) {
+    mcv_scene *scene = to->loader->scene;
+    mcv_memory *memory = to->loader->memory;
+    to->bodies += mcv_defect_bodies(defect);
+    if (scene->solid_count + to->bodies > MCV_MAX_SOLIDS)
+        return mcv_fail_at(place, error, "more than %d bodies with exact surfaces", MCV_MAX_SOLIDS);
+    MCV_TRY(mcv_memory_take(memory, &memory->geometry, DEFECT_BYTES, place, error));
+    return mcv_scene_add_defect(scene, defect, error);
+}
+
 /* Places one defect by its site, or several by chance. */
-static mcv_result place_defects(mcv_loader *loader, const mcv_defect_site *site, mcv_chance *chance,
+static mcv_result place_defects(placing *to, const mcv_defect_site *site, mcv_chance *chance,
                                 mcv_defect *defect, const mcv_json_path *place, mcv_error *error) {
+    const mcv_scene *scene = to->loader->scene;
     const char *name = defect->name;
     uint64_t count = 0;
     if (!chance->count && !(chance->density > 0)) {
         MCV_TRY((mcv_defect_is_inside(defect->type) ? mcv_defect_locate_inside : mcv_defect_locate)(
-            loader->scene, site, defect, place, error));
-        return mcv_scene_add_defect(loader->scene, defect, error);
+            scene, site, defect, place, error));
+        return keep_defect(to, defect, place, error);
     }
-    MCV_TRY(mcv_chance_count(loader->scene, site->node, chance, &count, place, error));
+    MCV_TRY(mcv_chance_count(scene, site->node, chance, &count, place, error));
     for (uint64_t i = 0; i < count; ++i) {
         char numbered[256];
         snprintf(numbered, sizeof numbered, "%.200s-%u", name, (unsigned)(i + 1));
         defect->name = numbered;
-        MCV_TRY(mcv_chance_locate(loader->scene, site, chance, defect, place, error));
-        MCV_TRY(mcv_scene_add_defect(loader->scene, defect, error));
+        MCV_TRY(mcv_chance_locate(scene, site, chance, defect, place, error));
+        MCV_TRY(keep_defect(to, defect, place, error));
     }
     return MCV_OK;
 }
 
 /* Reads an entry and finds its places. */
-static mcv_result define_entry(mcv_loader *loader, const json_t *object, size_t index,
+static mcv_result define_entry(placing *to, const json_t *object, size_t index,
                                const mcv_json_path *place, mcv_error *error) {
     static const char *const others[] = {
         "name",  "type",    "node", "at",     "triangle",   "barycentric", "direction",
@@ -134,16 +157,17 @@ static mcv_result define_entry(mcv_loader *loader, const json_t *object, size_t 
     MCV_TRY(read_chance(object, index, &chance, place, error));
     MCV_TRY(read_site(object, chance.count || chance.density > 0, &site, place, error));
     if (material)
-        MCV_TRY(mcv_load_find_material(loader, object, "material", &defect.material, place, error));
+        MCV_TRY(
+            mcv_load_find_material(to->loader, object, "material", &defect.material, place, error));
     if (material && defect.material == MCV_NONE)
         return mcv_fail_at(place, error, "must have a \"material\" of the file, by name or index");
     if (mcv_defect_is_inside(defect.type) && chance.density > 0)
         return mcv_fail_at(place, error, "lies inside of its body: give a \"count\"");
-    return place_defects(loader, &site, &chance, &defect, place, error);
+    return place_defects(to, &site, &chance, &defect, place, error);
 }
 
 /* A size as on drawings becomes a length; how many there are is `count` where none has a place. */
-static mcv_result define(mcv_loader *loader, const json_t *object, size_t index,
+static mcv_result define(placing *to, const json_t *object, size_t index,
                          const mcv_json_path *place, mcv_error *error) {
     const char *text = json_string_value(json_object_get(object, "size"));
     const mcv_json_path here = mcv_json_path_key(place, "size");
@@ -151,7 +175,7 @@ static mcv_result define(mcv_loader *loader, const json_t *object, size_t index,
     uint64_t count;
     double size;
     if (!text || !mcv_defect_is_notation(text))
-        return define_entry(loader, object, index, place, error);
+        return define_entry(to, object, index, place, error);
     MCV_TRY(mcv_element_type(object, mcv_defect_types, MCV_DEFECT_COUNT, &type, place, error));
     MCV_TRY(mcv_defect_read_notation(text, type, &size, &count, &here, error));
     json_t *own = json_copy((json_t *)object);
@@ -163,7 +187,7 @@ static mcv_result define(mcv_loader *loader, const json_t *object, size_t index,
     for (size_t i = 0; i < sizeof places / sizeof places[0]; ++i)
         if (json_object_get(object, places[i])) count = 0;
     if (count) json_object_set_new(own, "count", json_integer((json_int_t)count));
-    const mcv_result result = define_entry(loader, own, index, place, error);
+    const mcv_result result = define_entry(to, own, index, place, error);
     json_decref(own);
     return result;
 }
@@ -191,6 +215,7 @@ static mcv_result make_meshes(mcv_loader *loader, const json_t *object, const mc
 /* All are placed before the first one changes the surface. */
 mcv_result mcv_load_defects(mcv_loader *loader, mcv_error *error) {
     json_t *array;
+    placing to = {.loader = loader};
     MCV_TRY(mcv_load_array(loader, "MCVISI_defects", "defects", &array, error));
     const mcv_json_path place = mcv_json_path_key(&loader->file, "defects");
     for (size_t i = 0; i < json_array_size(array); ++i) {
@@ -201,7 +226,7 @@ mcv_result mcv_load_defects(mcv_loader *loader, mcv_error *error) {
     for (size_t i = 0; i < json_array_size(array); ++i) {
         const json_t *object = json_array_get(array, i);
         const mcv_json_path here = mcv_json_path_element(&place, mcv_json_name(object), i);
-        MCV_TRY(define(loader, object, i, &here, error));
+        MCV_TRY(define(&to, object, i, &here, error));
     }
     for (uint32_t i = 0; i < loader->scene->defect_count; ++i) {
         const mcv_defect defect = loader->scene->defects[i];

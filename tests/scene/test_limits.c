@@ -349,8 +349,44 @@ static void test_triangles_of_a_defect(void **state) {
     free(path);
 }
 
+/* A file of `entries` entries with a thousand defects each, in or on a glass ball. */
+static char *write_many(const char *type, int entries) {
+    char *list = malloc(200 * (size_t)entries), *end = list;
+    assert_non_null(list);
+    for (int i = 0; i < entries; ++i)
+        end += sprintf(end,
+                       "%s{\"name\":\"d%d\",\"type\":\"%s\",\"node\":\"ball\",\"size\":1e-6,"
+                       "\"count\":1000}",
+                       i ? "," : "", i, type);
+    char *text = text_of(
+        HEAD "\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"extensions\":{\"MCVISI_surfaces\":"
+             "{\"surfaces\":[{\"type\":\"sphere\",\"radius\":\"10mm\",\"material\":\"glass\"}]},"
+             "\"MCVISI_defects\":{\"defects\":[%s]}},\"materials\":[{\"name\":\"glass\","
+             "\"extensions\":{\"MCVISI_materials\":{\"type\":\"dielectric\"}}}],\"nodes\":[{"
+             "\"name\":\"ball\",\"extensions\":{\"MCVISI_surfaces\":{\"surface\":0}}}]}",
+        list);
+    char *path = write_bytes("limits_many.gltf", text, strlen(text));
+    free(list);
+    free(text);
+    return path;
+}
+
+/* Counts of defects are not expanded beyond the bodies that a scene may have, nor beyond its
+ * memory: a million bubbles took 200 MB before they were counted. */
+static void test_counts_of_defects(void **state) {
+    (void)state;
+    mcv_scene *scene;
+    mcv_error error;
+    char *path = write_many("bubble", 300);
+    assert_int_equal(load_within(path, 0, &scene, &error), MCV_BAD_INPUT);
+    if (!strstr(error.text, "defects/d1: more than 1024 bodies")) fail_msg("%s", error.text);
+    refuse_within(path, 700000, "defects/d0: with it the scene takes");
+    free(path);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_triangles_of_a_defect),
+    const struct CMUnitTest tests[] = {cmocka_unit_test(test_counts_of_defects),
+                                       cmocka_unit_test(test_triangles_of_a_defect),
                                        cmocka_unit_test(test_exact_surface_with_a_defect),
                                        cmocka_unit_test(test_sparse_buffer),
                                        cmocka_unit_test(test_images_of_one_file),
