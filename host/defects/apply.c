@@ -17,10 +17,15 @@ static mcv_result refine(const mcv_ground *ground, uint8_t *const *marks, mcv_fa
     const mcv_scene *scene = ground->scene;
     const uint32_t first = ground->defect->instances[0];
     for (uint32_t i = first; i < ground->defect->instances[1]; ++i) {
-        const uint32_t count = scene->meshes[scene->instances[i].mesh].triangle_count;
+        const uint32_t mesh = scene->instances[i].mesh, count = scene->meshes[mesh].triangle_count;
+        const mcv_mesh_boxes *boxes = mcv_known_boxes(ground->known, scene, mesh);
+        if (!boxes) return mcv_fail_memory(place, error);
+        bool spared = false;
         for (uint32_t t = 0; t < count; ++t) {
             uint8_t *marked = &marks[i - first][t];
-            if (!*marked && mcv_ground_spares(ground, i, t)) continue;
+            if (t % MCV_BOX_TRIANGLES == 0)
+                spared = mcv_ground_spares_box(ground, i, boxes->items + t / MCV_BOX_TRIANGLES);
+            if (!*marked && (spared || mcv_ground_spares(ground, i, t))) continue;
             mcv_facet facet = mcv_facet_take(scene, i, t);
             facet.inside = *marked;
             for (int k = 0; k < 3 && !*marked; ++k)
@@ -116,31 +121,25 @@ static void free_marks(uint8_t **marks) {
     free((void *)marks);
 }
 
-mcv_result mcv_defect_fits(const mcv_scene *scene, const mcv_defect *defect,
-                           const mcv_json_path *place, mcv_error *error) {
-    mcv_ground ground;
-    uint8_t **marks = new_marks(scene, defect->instances);
-    const mcv_result result = mcv_ground_begin(&ground, scene, defect) && marks
-                                  ? mcv_ground_find(&ground, marks, place, error)
-                                  : mcv_fail_memory(place, error);
-    mcv_ground_free(&ground);
-    free_marks(marks);
-    return result;
+mcv_result mcv_defect_fits(const mcv_scene *scene, mcv_known_meshes *known,
+                           const mcv_defect *defect, const mcv_json_path *place, mcv_error *error) {
+    mcv_ground ground = mcv_ground_of(scene, known, defect);
+    return mcv_ground_find(&ground, NULL, place, error);
 }
 
 mcv_result mcv_defect_apply(mcv_scene *scene, const mcv_defect *defect, const mcv_json_path *place,
                             mcv_error *error) {
     if (mcv_defect_is_inside(defect->type)) return mcv_defect_embed(scene, defect, error);
-    mcv_ground ground;
+    mcv_known_meshes known = {0};
+    mcv_ground ground = mcv_ground_of(scene, &known, defect);
     mcv_facets facets = {NULL, 0, 0};
     uint8_t **marks = new_marks(scene, defect->instances);
-    mcv_result result = mcv_ground_begin(&ground, scene, defect) && marks
-                            ? mcv_ground_find(&ground, marks, place, error)
-                            : mcv_fail_memory(place, error);
+    mcv_result result =
+        marks ? mcv_ground_find(&ground, marks, place, error) : mcv_fail_memory(place, error);
     if (result == MCV_OK) result = refine(&ground, marks, &facets, place, error);
     if (result == MCV_OK) result = change(&ground, &facets, place, error);
     if (result == MCV_OK) result = replace_all(scene, defect, &facets, marks, place, error);
-    mcv_ground_free(&ground);
+    mcv_known_meshes_free(&known);
     free_marks(marks);
     free(facets.items);
     return result;

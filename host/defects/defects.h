@@ -90,6 +90,47 @@ double mcv_defect_cut(const mcv_defect *defect, double u, double v, double norma
  */
 bool mcv_defect_changed(const mcv_defect *defect, uint32_t instance, const double world[3]);
 
+/* --- meshes that are looked at again and again --- */
+
+/* Of points in a mesh's frame. */
+typedef struct mcv_box {
+    float lower[3], upper[3];
+} mcv_box;
+
+/* Triangles of a run, which has a box: neighbours in a mesh mostly lie side by side. */
+enum { MCV_BOX_TRIANGLES = 64 };
+
+typedef struct mcv_mesh_boxes {
+    mcv_box all, *items; /* of the mesh, and of its runs */
+    size_t room;
+    uint32_t triangles; /* that they hold */
+} mcv_mesh_boxes;
+
+/* What defects found out about the meshes of a scene, so that the next one need not. All 0 at
+ * first. Valid while the meshes stay as they are. */
+typedef struct mcv_known_mesh {
+    mcv_mesh_boxes boxes;
+} mcv_known_mesh;
+typedef struct mcv_known_meshes {
+    mcv_known_mesh *items;
+    size_t count;
+    double **areas; /* of an instance: the sum of areas up to each triangle; or NULL */
+    size_t area_count;
+} mcv_known_meshes;
+void mcv_known_meshes_free(mcv_known_meshes *known);
+
+/* boxes.c: those of a mesh of the scene, by its number; NULL without memory. */
+const mcv_mesh_boxes *mcv_known_boxes(mcv_known_meshes *known, const mcv_scene *scene,
+                                      uint32_t mesh);
+
+/* What a box covers along three axes from an origin: the middle, and half of the extent, rounding
+ * included. */
+typedef struct mcv_spread {
+    double middle[3], half[3];
+} mcv_spread;
+mcv_spread mcv_box_spread(const mcv_box *box, const mcv_transform *to_world, const double origin[3],
+                          const double axes[3][3]);
+
 /* --- the place --- */
 
 /* Where a defect lies, as its entry says. */
@@ -99,7 +140,9 @@ typedef struct mcv_defect_site {
     double at[3]; /* along the node's axes [m] */
     uint32_t triangle;
     double barycentric[3];
-    double direction[3]; /* along the node's axes; 0: not given */
+    double direction[3];        /* along the node's axes; 0: not given */
+    const mcv_placement *found; /* the node, where it is known already; or NULL */
+    mcv_known_meshes *known;    /* or NULL */
 } mcv_defect_site;
 
 /* Sets instances, centre and axes of a defect of known size. Fails where there is no such node or
@@ -125,17 +168,19 @@ double mcv_defect_distance(const mcv_scene *scene, const uint32_t instances[2],
                            const double point[3], uint32_t *instance);
 
 /* mean_normal.c: the mean of the unit normals over the surface of the instances within `radius` of
- * the point. False where they cancel. */
-bool mcv_defect_mean_normal(const mcv_scene *scene, const uint32_t instances[2],
-                            const double point[3], double radius, double normal[3]);
+ * the point. False where they cancel. `known` may be NULL. */
+bool mcv_defect_mean_normal(const mcv_scene *scene, mcv_known_meshes *known,
+                            const uint32_t instances[2], const double point[3], double radius,
+                            double normal[3]);
 
 /* --- by chance --- */
 
 /* How many, and where from. */
 typedef struct mcv_chance {
-    uint64_t count; /* or 0: */
-    double density; /* [1/m²] */
-    uint64_t state; /* of the random numbers */
+    uint64_t count;          /* or 0: */
+    double density;          /* [1/m²] */
+    uint64_t state;          /* of the random numbers */
+    mcv_known_meshes *known; /* or NULL */
 } mcv_chance;
 
 /* The number of defects: the count, or Poisson's of the density on the node's surface. */
@@ -151,8 +196,8 @@ mcv_result mcv_chance_locate(const mcv_scene *scene, const mcv_defect_site *site
 /* --- the meshes --- */
 
 /* Whether mcv_defect_apply would find its surface turned away. */
-mcv_result mcv_defect_fits(const mcv_scene *scene, const mcv_defect *defect,
-                           const mcv_json_path *place, mcv_error *error);
+mcv_result mcv_defect_fits(const mcv_scene *scene, mcv_known_meshes *known,
+                           const mcv_defect *defect, const mcv_json_path *place, mcv_error *error);
 
 /* Inside of a body: adds its exact surfaces to the scene. Else refines the meshes of the defect's
  * instances around it and moves their vertices, or makes a patch an instance of its own. Meshes

@@ -42,14 +42,11 @@ typedef struct mcv_ground {
     const mcv_scene *scene;
     const mcv_defect *defect;
     mcv_footprint footprint;
+    mcv_known_meshes *known;
     double low, high; /* along the normal, from the centre [m] */
-    double **points;  /* of the defect's instances: all vertices, as mcv_ground_point has them */
 } mcv_ground;
 
-/* The ground of a defect, to be freed by mcv_ground_free. False without memory. Each vertex is
- * looked at once: triangles share them. */
-bool mcv_ground_begin(mcv_ground *ground, const mcv_scene *scene, const mcv_defect *defect);
-void mcv_ground_free(mcv_ground *ground);
+mcv_ground mcv_ground_of(const mcv_scene *scene, mcv_known_meshes *known, const mcv_defect *defect);
 
 /* A position in the instance's frame as u, v and height above the tangent plane. */
 void mcv_ground_point(const mcv_ground *ground, uint32_t instance, const float position[3],
@@ -80,14 +77,17 @@ int mcv_corner_compare(const mcv_corner *a, const mcv_corner *b);
 /* Whether no edge of the triangle need be halved, at a quick look: true is right. */
 bool mcv_ground_spares(const mcv_ground *ground, uint32_t instance, uint32_t triangle);
 
+/* The same of all edges in a box. */
+bool mcv_ground_spares_box(const mcv_ground *ground, uint32_t instance, const mcv_box *box);
+
 /* Halves edges of the facet until none is too long; appends what remains. MCV_BAD_INPUT where there
  * are more than a defect may have, or than the scene's memory has room for. */
 mcv_result mcv_facets_refine(mcv_facets *facets, const mcv_ground *ground, const mcv_facet *facet,
                              const mcv_json_path *place, mcv_error *error);
 
 /* The triangles of the defect's instances that its footprint reaches on its own surface:
- * marks[instance - first][triangle] is set. Fails where that surface turns away. Sets low and
- * high. */
+ * marks[instance - first][triangle] is set, unless marks is NULL. Fails where that surface turns
+ * away. Sets low and high. */
 mcv_result mcv_ground_find(mcv_ground *ground, uint8_t *const *marks, const mcv_json_path *place,
                            mcv_error *error);
 

@@ -31,31 +31,12 @@ typedef struct search {
     size_t count, room, border_count;
 } search;
 
-static double *points_of(const mcv_ground *ground, uint32_t instance) {
-    const mcv_mesh *mesh = ground->scene->meshes + ground->scene->instances[instance].mesh;
-    double *points = malloc((3 * (size_t)mesh->vertex_count + 1) * sizeof *points);
-    for (size_t v = 0; points && v < mesh->vertex_count; ++v)
-        mcv_ground_point(ground, instance, mesh->positions + 3 * v, points + 3 * v);
-    return points;
-}
-
-bool mcv_ground_begin(mcv_ground *ground, const mcv_scene *scene, const mcv_defect *defect) {
-    const size_t count = defect->instances[1] - defect->instances[0];
-    *ground =
-        (mcv_ground){.scene = scene, .defect = defect, .footprint = mcv_defect_footprint(defect)};
-    ground->points = calloc(count + 1, sizeof *ground->points);
-    for (size_t i = 0; ground->points && i < count; ++i) {
-        ground->points[i] = points_of(ground, defect->instances[0] + (uint32_t)i);
-        if (!ground->points[i]) return false;
-    }
-    return ground->points != NULL;
-}
-
-void mcv_ground_free(mcv_ground *ground) {
-    const size_t count = ground->defect->instances[1] - ground->defect->instances[0];
-    for (size_t i = 0; ground->points && i < count; ++i) free(ground->points[i]);
-    free((void *)ground->points);
-    ground->points = NULL;
+mcv_ground mcv_ground_of(const mcv_scene *scene, mcv_known_meshes *known,
+                         const mcv_defect *defect) {
+    return (mcv_ground){.scene = scene,
+                        .defect = defect,
+                        .footprint = mcv_defect_footprint(defect),
+                        .known = known};
 }
 
 static bool add_candidate(search *s, const candidate *one) {
@@ -74,11 +55,11 @@ static bool add_candidate(search *s, const candidate *one) {
 
 static void local_corners(const mcv_ground *ground, uint32_t instance, uint32_t triangle,
                           double corners[3][3]) {
-    const double *points = ground->points[instance - ground->defect->instances[0]];
+    const mcv_mesh *mesh = ground->scene->meshes + ground->scene->instances[instance].mesh;
     uint32_t vertices[3];
     mcv_scene_triangle(ground->scene, instance, triangle, vertices);
     for (int k = 0; k < 3; ++k)
-        memcpy(corners[k], points + 3 * (size_t)vertices[k], sizeof corners[k]);
+        mcv_ground_point(ground, instance, mesh->positions + 3 * (size_t)vertices[k], corners[k]);
 }
 
 /* The distance between the origin and a triangle, as far as its corners and its plane tell: that of
@@ -121,24 +102,63 @@ bool mcv_ground_spares(const mcv_ground *ground, uint32_t instance, uint32_t tri
     return mcv_ground_is_far(ground, c[0], side, longest / MCV_GRADING);
 }
 
+static mcv_spread spread_of(const mcv_ground *ground, uint32_t instance, const mcv_box *box) {
+    return mcv_box_spread(box, &ground->scene->instances[instance].to_world, ground->defect->centre,
+                          (const double(*)[3])ground->defect->axes);
+}
+
+/* As mcv_ground_is_far of whichever point the box may hold. */
+static bool is_spread_far(const mcv_ground *ground, const mcv_spread *s, double reach,
+                          double beyond) {
+    double nearest[3] = {0, 0, 0};
+    for (int k = 0; k < 2; ++k)
+        nearest[k] = fmax(0, fabs(s->middle[k]) - s->half[k]) * (1 - 1e-9); /* rounding */
+    return mcv_ground_is_far(ground, nearest, reach, beyond);
+}
+
+bool mcv_ground_spares_box(const mcv_ground *ground, uint32_t instance, const mcv_box *box) {
+    const mcv_spread s = spread_of(ground, instance, box);
+    const double side = 2 * (s.half[0] + s.half[1]), longest = side + 2 * s.half[2];
+    return s.middle[2] - s.half[2] > ground->high || s.middle[2] + s.half[2] < ground->low ||
+           is_spread_far(ground, &s, side, longest / MCV_GRADING);
+}
+
+/* Has the box no candidate? */
+static bool is_box_beside(const mcv_ground *ground, uint32_t instance, const mcv_box *box) {
+    const mcv_spread s = spread_of(ground, instance, box);
+    return s.middle[2] + s.half[2] < ground->footprint.lowest ||
+           is_spread_far(ground, &s, 2 * M_SQRT2 * fmax(s.half[0], s.half[1]), 0);
+}
+
+/* False without memory. */
+static bool try_candidate(search *s, uint32_t instance, uint32_t triangle) {
+    const mcv_ground *ground = s->ground;
+    candidate one = {.instance = instance, .triangle = triangle};
+    local_corners(ground, instance, triangle, one.corners);
+    const double(*c)[3] = (const double(*)[3])one.corners;
+    if (mcv_ground_is_far(ground, c[0], longest_side(c), 0)) return true;
+    if (fmax(fmax(c[0][2], c[1][2]), c[2][2]) <= ground->footprint.lowest ||
+        mcv_ground_triangle_distance(ground, c) >= ground->footprint.radius)
+        return true;
+    one.away = distance_of(c);
+    return add_candidate(s, &one);
+}
+
 static bool find_candidates(search *s) {
     const mcv_ground *ground = s->ground;
     const mcv_scene *scene = ground->scene;
     for (uint32_t i = ground->defect->instances[0]; i < ground->defect->instances[1]; ++i) {
-        const uint32_t count = scene->meshes[scene->instances[i].mesh].triangle_count;
+        const uint32_t mesh = scene->instances[i].mesh, count = scene->meshes[mesh].triangle_count;
+        const mcv_mesh_boxes *boxes = mcv_known_boxes(ground->known, scene, mesh);
+        if (!boxes) return false;
+        if (is_box_beside(ground, i, &boxes->all)) continue;
         for (uint32_t t = 0; t < count; ++t) {
-            candidate one = {.instance = i, .triangle = t};
-            local_corners(ground, i, t, one.corners);
-            if (mcv_ground_is_far(ground, one.corners[0],
-                                  longest_side((const double(*)[3])one.corners), 0))
+            if (t % MCV_BOX_TRIANGLES == 0 &&
+                is_box_beside(ground, i, boxes->items + t / MCV_BOX_TRIANGLES)) {
+                t += MCV_BOX_TRIANGLES - 1;
                 continue;
-            if (fmax(fmax(one.corners[0][2], one.corners[1][2]), one.corners[2][2]) <=
-                    ground->footprint.lowest ||
-                mcv_ground_triangle_distance(ground, (const double(*)[3])one.corners) >=
-                    ground->footprint.radius)
-                continue;
-            one.away = distance_of((const double(*)[3])one.corners);
-            if (!add_candidate(s, &one)) return false;
+            }
+            if (!try_candidate(s, i, t)) return false;
         }
     }
     return true;
@@ -285,7 +305,7 @@ static mcv_result mark(search *s, mcv_ground *ground, uint8_t *const *marks,
                                "reaches round an edge of its part, where the surface is turned by "
                                "%.3g deg: move it, or make it smaller",
                                acos(fmax(-1, cosine)) * 180 / M_PI);
-        marks[one->instance - ground->defect->instances[0]][one->triangle] = 1;
+        if (marks) marks[one->instance - ground->defect->instances[0]][one->triangle] = 1;
         for (int k = 0; k < 3; ++k) {
             ground->low = fmin(ground->low, one->corners[k][2] - margin);
             ground->high = fmax(ground->high, one->corners[k][2] + margin);

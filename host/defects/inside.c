@@ -139,12 +139,11 @@ static bool make_axes(const mcv_placement *node, const double direction[3], doub
 mcv_result mcv_defect_locate_inside(const mcv_scene *scene, const mcv_defect_site *site,
                                     mcv_defect *defect, const mcv_json_path *place,
                                     mcv_error *error) {
-    const mcv_placement *node = NULL;
+    const mcv_placement *node = site->found;
     const mcv_json_path here = mcv_json_path_key(place, "at"),
                         direction = mcv_json_path_key(place, "direction");
     uint32_t instance = 0;
-    const mcv_result found = mcv_defect_node(scene, site->node, &node, place, error);
-    if (found != MCV_OK || !node) return found;
+    if (!node) MCV_TRY(mcv_defect_node(scene, site->node, &node, place, error));
     if (!site->by_point)
         return mcv_fail_at(place, error, "lies inside of its body: must have a point \"at\"");
     memcpy(defect->instances, node->instances, sizeof defect->instances);

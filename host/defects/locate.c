@@ -218,7 +218,8 @@ static bool first_axis(const mcv_placement *node, const double direction[3], dou
 /* What a chip or a missing part turns up: the direction, else the mean normal, which a burr has,
  * too. Others have the normal of the surface. */
 static bool find_normal(const mcv_scene *scene, const mcv_placement *node, const spot *at,
-                        const double direction[3], const mcv_defect *defect, double normal[3]) {
+                        const mcv_defect_site *site, const mcv_defect *defect, double normal[3]) {
+    const double *direction = site->direction;
     const bool cut = mcv_defect_kind_of(defect->type) == MCV_KIND_CUT;
     double normals[3][3], sum[3];
     if (cut && (direction[0] != 0 || direction[1] != 0 || direction[2] != 0)) {
@@ -226,7 +227,8 @@ static bool find_normal(const mcv_scene *scene, const mcv_placement *node, const
         return mcv_normalize3(sum, normal);
     }
     if ((cut || defect->type == MCV_DEFECT_BURR) &&
-        mcv_defect_mean_normal(scene, node->instances, at->point, defect->size / 2, normal))
+        mcv_defect_mean_normal(scene, site->known, node->instances, at->point, defect->size / 2,
+                               normal))
         return true;
     mcv_scene_vertex_normals(scene, at->instance, at->triangle, normals);
     combine((const double(*)[3])normals, at->weights, sum);
@@ -235,12 +237,12 @@ static bool find_normal(const mcv_scene *scene, const mcv_placement *node, const
 }
 
 static bool make_axes(const mcv_scene *scene, const mcv_placement *node, const spot *at,
-                      const double direction[3], mcv_defect *defect) {
+                      const mcv_defect_site *site, mcv_defect *defect) {
     static const double none[3] = {0, 0, 0};
     const bool cut = mcv_defect_kind_of(defect->type) == MCV_KIND_CUT;
     double(*axes)[3] = defect->axes;
-    if (!find_normal(scene, node, at, direction, defect, axes[2]) ||
-        !first_axis(node, cut ? none : direction, axes))
+    if (!find_normal(scene, node, at, site, defect, axes[2]) ||
+        !first_axis(node, cut ? none : site->direction, axes))
         return false;
     mcv_cross3(axes[2], axes[0], axes[1]);
     return true;
@@ -248,13 +250,12 @@ static bool make_axes(const mcv_scene *scene, const mcv_placement *node, const s
 
 mcv_result mcv_defect_locate(const mcv_scene *scene, const mcv_defect_site *site,
                              mcv_defect *defect, const mcv_json_path *place, mcv_error *error) {
-    const mcv_placement *node = NULL;
+    const mcv_placement *node = site->found;
     spot at;
     const mcv_json_path here = mcv_json_path_key(place, "node"),
                         number = mcv_json_path_key(place, "triangle"),
                         direction = mcv_json_path_key(place, "direction");
-    const mcv_result found = mcv_defect_node(scene, site->node, &node, place, error);
-    if (found != MCV_OK || !node) return found;
+    if (!node) MCV_TRY(mcv_defect_node(scene, site->node, &node, place, error));
     const uint32_t triangles = count_triangles(scene, node->instances);
     if (!triangles)
         return mcv_fail_at(&here, error,
@@ -267,7 +268,7 @@ mcv_result mcv_defect_locate(const mcv_scene *scene, const mcv_defect_site *site
         return mcv_fail_at(&number, error, "%u does not exist: triangles go from 0 to %u",
                            site->triangle, triangles - 1);
     memcpy(defect->centre, at.point, sizeof defect->centre);
-    if (!make_axes(scene, node, &at, site->direction, defect))
+    if (!make_axes(scene, node, &at, site, defect))
         return mcv_fail_at(&direction, error,
                            "must be a direction along the surface, not along its normal");
     return MCV_OK;

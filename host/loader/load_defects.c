@@ -84,10 +84,12 @@ static mcv_result read_site(const json_t *object, bool by_chance, mcv_defect_sit
               : read_triangle(object, site, place, error);
 }
 
-/* What all entries need: how many bodies the defects inside of others will be. */
+/* What all entries need: how many bodies the defects inside of others will be, and what is known of
+ * the meshes, which stay as they are meanwhile. */
 typedef struct placing {
     mcv_loader *loader;
     uint32_t bodies;
+    mcv_known_meshes known;
 } placing;
 
 /* A thousand entries of a thousand defects each are a small file. What they take is told as each is
@@ -114,6 +116,7 @@ static mcv_result place_defects(placing *to, const mcv_defect_site *site, mcv_ch
             scene, site, defect, place, error));
         return keep_defect(to, defect, place, error);
     }
+    chance->known = &to->known;
     MCV_TRY(mcv_chance_count(scene, site->node, chance, &count, place, error));
     for (uint64_t i = 0; i < count; ++i) {
         char numbered[256];
@@ -140,7 +143,7 @@ static mcv_result define_entry(placing *to, const json_t *object, size_t index,
     mcv_defect defect = {.name = (char *)mcv_json_name(object)};
     mcv_defect_params params;
     mcv_defect_site site;
-    mcv_chance chance;
+    mcv_chance chance = {0};
     MCV_TRY(
         mcv_element_type(object, mcv_defect_types, MCV_DEFECT_COUNT, &defect.type, place, error));
     const mcv_param_table table = mcv_defect_table(defect.type);
@@ -192,6 +195,19 @@ static mcv_result define(placing *to, const json_t *object, size_t index,
     return result;
 }
 
+static mcv_result define_all(mcv_loader *loader, const json_t *array, const mcv_json_path *place,
+                             mcv_error *error) {
+    placing to = {.loader = loader};
+    mcv_result result = MCV_OK;
+    for (size_t i = 0; i < json_array_size(array) && result == MCV_OK; ++i) {
+        const json_t *object = json_array_get(array, i);
+        const mcv_json_path here = mcv_json_path_element(place, mcv_json_name(object), i);
+        result = define(&to, object, i, &here, error);
+    }
+    mcv_known_meshes_free(&to.known);
+    return result;
+}
+
 /* A surface that gets a defect becomes a mesh, which can be changed. */
 static mcv_result make_meshes(mcv_loader *loader, const json_t *object, const mcv_json_path *place,
                               mcv_error *error) {
@@ -215,7 +231,6 @@ static mcv_result make_meshes(mcv_loader *loader, const json_t *object, const mc
 /* All are placed before the first one changes the surface. */
 mcv_result mcv_load_defects(mcv_loader *loader, mcv_error *error) {
     json_t *array;
-    placing to = {.loader = loader};
     MCV_TRY(mcv_load_array(loader, "MCVISI_defects", "defects", &array, error));
     const mcv_json_path place = mcv_json_path_key(&loader->file, "defects");
     for (size_t i = 0; i < json_array_size(array); ++i) {
@@ -223,11 +238,7 @@ mcv_result mcv_load_defects(mcv_loader *loader, mcv_error *error) {
         const mcv_json_path here = mcv_json_path_element(&place, mcv_json_name(object), i);
         MCV_TRY(make_meshes(loader, object, &here, error));
     }
-    for (size_t i = 0; i < json_array_size(array); ++i) {
-        const json_t *object = json_array_get(array, i);
-        const mcv_json_path here = mcv_json_path_element(&place, mcv_json_name(object), i);
-        MCV_TRY(define(&to, object, i, &here, error));
-    }
+    MCV_TRY(define_all(loader, array, &place, error));
     for (uint32_t i = 0; i < loader->scene->defect_count; ++i) {
         const mcv_defect defect = loader->scene->defects[i];
         const mcv_json_path here = mcv_json_path_element(&place, defect.name, i);
