@@ -44,20 +44,26 @@ static bool extend(mcv_mesh_boxes *boxes, const mcv_mesh *mesh, uint32_t from) {
     return true;
 }
 
-const mcv_mesh_boxes *mcv_known_boxes(mcv_known_meshes *known, const mcv_scene *scene,
-                                      uint32_t number) {
-    if (number >= known->count) {
-        const size_t count = scene->mesh_count;
+mcv_known_mesh *mcv_known_mesh_of(mcv_known_meshes *known, const mcv_scene *scene, uint32_t mesh) {
+    if (mesh >= known->count) {
+        const size_t count = 2 * (size_t)scene->mesh_count;
         mcv_known_mesh *larger = realloc(known->items, count * sizeof *larger);
         if (!larger) return NULL;
         memset(larger + known->count, 0, (count - known->count) * sizeof *larger);
         known->items = larger;
         known->count = count;
     }
-    mcv_mesh_boxes *boxes = &known->items[number].boxes;
-    const mcv_mesh *mesh = scene->meshes + number;
-    if ((!boxes->items || boxes->triangles < mesh->triangle_count) &&
-        !extend(boxes, mesh, boxes->items ? boxes->triangles : 0))
+    return known->items + mesh;
+}
+
+const mcv_mesh_boxes *mcv_known_boxes(mcv_known_meshes *known, const mcv_scene *scene,
+                                      uint32_t mesh) {
+    mcv_known_mesh *one = mcv_known_mesh_of(known, scene, mesh);
+    if (!one) return NULL;
+    mcv_mesh_boxes *boxes = &one->boxes;
+    const mcv_mesh *of = scene->meshes + mesh;
+    if ((!boxes->items || boxes->triangles < of->triangle_count) &&
+        !extend(boxes, of, boxes->items ? boxes->triangles : 0))
         return NULL;
     return boxes;
 }
@@ -88,7 +94,10 @@ mcv_spread mcv_box_spread(const mcv_box *box, const mcv_transform *to_world, con
 }
 
 void mcv_known_meshes_free(mcv_known_meshes *known) {
-    for (size_t i = 0; i < known->count; ++i) free(known->items[i].boxes.items);
+    for (size_t i = 0; i < known->count; ++i) {
+        free(known->items[i].boxes.items);
+        free(known->items[i].gone);
+    }
     for (size_t i = 0; i < known->area_count; ++i) free(known->areas[i]);
     free(known->items);
     free((void *)known->areas);

@@ -107,9 +107,12 @@ typedef struct mcv_mesh_boxes {
 } mcv_mesh_boxes;
 
 /* What defects found out about the meshes of a scene, so that the next one need not. All 0 at
- * first. Valid while the meshes stay as they are. */
+ * first. Valid while only mcv_defect_apply_known changes the meshes. */
 typedef struct mcv_known_mesh {
     mcv_mesh_boxes boxes;
+    uint8_t *gone; /* of each triangle, whether a defect has replaced it; NULL: none has yet */
+    uint32_t gone_count;
+    size_t vertex_room, triangle_room; /* with `gone`: of the mesh's arrays */
 } mcv_known_mesh;
 typedef struct mcv_known_meshes {
     mcv_known_mesh *items;
@@ -118,6 +121,13 @@ typedef struct mcv_known_meshes {
     size_t area_count;
 } mcv_known_meshes;
 void mcv_known_meshes_free(mcv_known_meshes *known);
+
+/* boxes.c: what is known of a mesh of the scene; NULL without memory. */
+mcv_known_mesh *mcv_known_mesh_of(mcv_known_meshes *known, const mcv_scene *scene, uint32_t mesh);
+
+static inline const uint8_t *mcv_known_gone(const mcv_known_meshes *known, uint32_t mesh) {
+    return mesh < known->count ? known->items[mesh].gone : NULL;
+}
 
 /* boxes.c: those of a mesh of the scene, by its number; NULL without memory. */
 const mcv_mesh_boxes *mcv_known_boxes(mcv_known_meshes *known, const mcv_scene *scene,
@@ -205,5 +215,13 @@ mcv_result mcv_defect_fits(const mcv_scene *scene, mcv_known_meshes *known,
  * its part, lies on an emitter or would take too many triangles. */
 mcv_result mcv_defect_apply(mcv_scene *scene, const mcv_defect *defect, const mcv_json_path *place,
                             mcv_error *error);
+
+/* The same for one defect after the other, in the time of each. Meshes keep the triangles that are
+ * gone until mcv_defects_finish, in edit.c, leaves them out. */
+mcv_result mcv_defect_apply_known(mcv_scene *scene, mcv_known_meshes *known,
+                                  const mcv_defect *defect, const mcv_json_path *place,
+                                  mcv_error *error);
+mcv_result mcv_defects_finish(mcv_scene *scene, mcv_known_meshes *known, const mcv_json_path *place,
+                              mcv_error *error);
 
 #endif

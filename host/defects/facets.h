@@ -85,10 +85,23 @@ bool mcv_ground_spares_box(const mcv_ground *ground, uint32_t instance, const mc
 mcv_result mcv_facets_refine(mcv_facets *facets, const mcv_ground *ground, const mcv_facet *facet,
                              const mcv_json_path *place, mcv_error *error);
 
-/* The triangles of the defect's instances that its footprint reaches on its own surface:
- * marks[instance - first][triangle] is set, unless marks is NULL. Fails where that surface turns
+/* Triangles of instances, in their order. */
+typedef struct mcv_mark {
+    uint32_t instance, triangle;
+} mcv_mark;
+
+typedef struct mcv_marks {
+    mcv_mark *items;
+    size_t count, room;
+} mcv_marks;
+
+/* False without memory. */
+bool mcv_marks_add(mcv_marks *marks, uint32_t instance, uint32_t triangle);
+
+/* The triangles of the defect's instances that its footprint reaches on its own surface are added
+ * to marks, unless these are NULL. Fails where that surface turns
  * away. Sets low and high. */
-mcv_result mcv_ground_find(mcv_ground *ground, uint8_t *const *marks, const mcv_json_path *place,
+mcv_result mcv_ground_find(mcv_ground *ground, mcv_marks *marks, const mcv_json_path *place,
                            mcv_error *error);
 
 /* outline.c: cuts the facets of the surface along the outline and tells which lie within. Fails
@@ -109,11 +122,17 @@ mcv_result mcv_facets_replace(const mcv_facets *facets, mcv_scene *scene, uint32
                               const mcv_json_path *place, mcv_error *error);
 
 /* patch.c: the facets of the instance within a patch become an instance behind it, of their own
- * material. Call it before mcv_facets_replace. Fails where the patch would cover all of the
- * instance, or lies on glass. */
+ * material. Call it before mcv_facets_edit. `alone`: all other triangles are gone. Fails where
+ * the patch would cover all of the instance, or lies on glass. */
 mcv_result mcv_facets_add_patch(const mcv_facets *facets, mcv_scene *scene, uint32_t instance,
-                                const uint8_t *marks, const mcv_defect *defect,
-                                const mcv_json_path *place, mcv_error *error);
+                                bool alone, const mcv_defect *defect, const mcv_json_path *place,
+                                mcv_error *error);
+
+/* edit.c: the same as mcv_facets_replace, with the marks of this instance, in the time of the
+ * facets where the mesh has been replaced before. */
+mcv_result mcv_facets_edit(const mcv_facets *facets, mcv_scene *scene, mcv_known_meshes *known,
+                           uint32_t instance, const mcv_marks *marks, const mcv_defect *defect,
+                           const mcv_json_path *place, mcv_error *error);
 
 /* Makes a mesh, in the way of the instance's own, of its triangles without those that are marked
  * (NULL: of none), and of the facets of the instance that are (`of_patch`) or are not within the

@@ -151,6 +151,7 @@ static bool find_candidates(search *s) {
         const uint32_t mesh = scene->instances[i].mesh, count = scene->meshes[mesh].triangle_count;
         const mcv_mesh_boxes *boxes = mcv_known_boxes(ground->known, scene, mesh);
         if (!boxes) return false;
+        const uint8_t *gone = mcv_known_gone(ground->known, mesh);
         if (is_box_beside(ground, i, &boxes->all)) continue;
         for (uint32_t t = 0; t < count; ++t) {
             if (t % MCV_BOX_TRIANGLES == 0 &&
@@ -158,6 +159,7 @@ static bool find_candidates(search *s) {
                 t += MCV_BOX_TRIANGLES - 1;
                 continue;
             }
+            if (gone && gone[t]) continue;
             if (!try_candidate(s, i, t)) return false;
         }
     }
@@ -285,8 +287,8 @@ static mcv_result check_depth(const mcv_ground *ground, const candidate *other,
                        -deepest, -height);
 }
 
-static mcv_result mark(search *s, mcv_ground *ground, uint8_t *const *marks,
-                       const mcv_json_path *place, mcv_error *error) {
+static mcv_result mark(search *s, mcv_ground *ground, mcv_marks *marks, const mcv_json_path *place,
+                       mcv_error *error) {
     const size_t root = join(s);
     const double margin = ground->footprint.radius;
     const bool cut = mcv_defect_kind_of(ground->defect->type) == MCV_KIND_CUT;
@@ -305,7 +307,8 @@ static mcv_result mark(search *s, mcv_ground *ground, uint8_t *const *marks,
                                "reaches round an edge of its part, where the surface is turned by "
                                "%.3g deg: move it, or make it smaller",
                                acos(fmax(-1, cosine)) * 180 / M_PI);
-        if (marks) marks[one->instance - ground->defect->instances[0]][one->triangle] = 1;
+        if (marks && !mcv_marks_add(marks, one->instance, one->triangle))
+            return mcv_fail_memory(place, error);
         for (int k = 0; k < 3; ++k) {
             ground->low = fmin(ground->low, one->corners[k][2] - margin);
             ground->high = fmax(ground->high, one->corners[k][2] + margin);
@@ -314,7 +317,7 @@ static mcv_result mark(search *s, mcv_ground *ground, uint8_t *const *marks,
     return MCV_OK;
 }
 
-mcv_result mcv_ground_find(mcv_ground *ground, uint8_t *const *marks, const mcv_json_path *place,
+mcv_result mcv_ground_find(mcv_ground *ground, mcv_marks *marks, const mcv_json_path *place,
                            mcv_error *error) {
     search s = {.ground = ground};
     const bool memory = find_candidates(&s) && find_borders(&s);

@@ -24,12 +24,8 @@ static mcv_result roughen(mcv_scene *scene, uint32_t number, const mcv_defect *d
     return MCV_OK;
 }
 
-/* What the patch would leave of the instance. */
-static bool leaves_nothing(const mcv_facets *facets, const mcv_scene *scene, uint32_t instance,
-                           const uint8_t *marks) {
-    const uint32_t count = scene->meshes[scene->instances[instance].mesh].triangle_count;
-    for (uint32_t t = 0; t < count; ++t)
-        if (!marks[t]) return false;
+/* What the patch would leave of the facets. */
+static bool leaves_nothing(const mcv_facets *facets, uint32_t instance) {
     for (size_t f = 0; f < facets->count; ++f)
         if (facets->items[f].instance == instance && !facets->items[f].within) return false;
     return true;
@@ -42,8 +38,8 @@ static bool has_patch(const mcv_facets *facets, uint32_t instance) {
 }
 
 mcv_result mcv_facets_add_patch(const mcv_facets *facets, mcv_scene *scene, uint32_t instance,
-                                const uint8_t *marks, const mcv_defect *defect,
-                                const mcv_json_path *place, mcv_error *error) {
+                                bool alone, const mcv_defect *defect, const mcv_json_path *place,
+                                mcv_error *error) {
     mcv_instance own = scene->instances[instance];
     const mcv_material *host = scene->materials + own.material;
     mcv_mesh mesh;
@@ -53,7 +49,7 @@ mcv_result mcv_facets_add_patch(const mcv_facets *facets, mcv_scene *scene, uint
                            "lies on \"%s\", a dielectric: a patch of another material would open "
                            "its body; use a dig or a scratch",
                            host->name);
-    if (leaves_nothing(facets, scene, instance, marks))
+    if (alone && leaves_nothing(facets, instance))
         return mcv_fail_at(place, error,
                            "covers all of node \"%s\": give the node that material instead",
                            own.name);

@@ -228,6 +228,20 @@ static mcv_result make_meshes(mcv_loader *loader, const json_t *object, const mc
     return mcv_scene_mesh_solids(loader->scene, node->instances, &here, error);
 }
 
+static mcv_result apply_all(mcv_scene *scene, const mcv_json_path *place, mcv_error *error) {
+    mcv_known_meshes known = {0};
+    mcv_result result = MCV_OK;
+    for (uint32_t i = 0; i < scene->defect_count && result == MCV_OK; ++i) {
+        const mcv_defect defect = scene->defects[i];
+        const mcv_json_path here = mcv_json_path_element(place, defect.name, i);
+        result = mcv_defect_apply_known(scene, &known, &defect, &here, error);
+    }
+    if (result == MCV_OK && scene->defect_count > 0)
+        result = mcv_defects_finish(scene, &known, place, error);
+    mcv_known_meshes_free(&known);
+    return result;
+}
+
 /* All are placed before the first one changes the surface. */
 mcv_result mcv_load_defects(mcv_loader *loader, mcv_error *error) {
     json_t *array;
@@ -239,10 +253,5 @@ mcv_result mcv_load_defects(mcv_loader *loader, mcv_error *error) {
         MCV_TRY(make_meshes(loader, object, &here, error));
     }
     MCV_TRY(define_all(loader, array, &place, error));
-    for (uint32_t i = 0; i < loader->scene->defect_count; ++i) {
-        const mcv_defect defect = loader->scene->defects[i];
-        const mcv_json_path here = mcv_json_path_element(&place, defect.name, i);
-        MCV_TRY(mcv_defect_apply(loader->scene, &defect, &here, error));
-    }
-    return MCV_OK;
+    return apply_all(loader->scene, &place, error);
 }

@@ -359,6 +359,59 @@ static void refuses_to_cut_through(void **state) {
     }
 }
 
+/* Dents and stains, first in one place and then side by side, each as it lies on the whole part. */
+enum { MANY = 12 };
+static void locate_many(mcv_scene *scene, part which, mcv_defect all[MANY]) {
+    const mcv_json_path place = mcv_place_file("(test)");
+    const uint32_t paint = add_diffuse(scene, 0.1);
+    for (int i = 0; i < MANY; ++i) {
+        const mcv_defect_site site = {
+            .node = "part",
+            .by_point = true,
+            .at = {which == BALL ? 1 : 0.5, i < MANY / 2 ? 0 : 0.02 * i, -0.01 * i}};
+        all[i] = (mcv_defect){.name = (char *)"one", .size = 0.1, .depth = 0.001};
+        if (i % 3 == 2) all[i].type = MCV_DEFECT_STAIN, all[i].material = paint;
+        BUILD(mcv_defect_locate(scene, &site, all + i, &place, &builder_error));
+    }
+}
+
+static void expect_same_mesh(const mcv_mesh *a, const mcv_mesh *b) {
+    assert_int_equal(a->vertex_count, b->vertex_count);
+    assert_int_equal(a->triangle_count, b->triangle_count);
+    assert_memory_equal(a->positions, b->positions, 3 * sizeof(float) * a->vertex_count);
+    assert_memory_equal(a->normals, b->normals, 3 * sizeof(float) * a->vertex_count);
+    assert_memory_equal(a->indices, b->indices, 3 * sizeof(uint32_t) * a->triangle_count);
+}
+
+/* Defects that change a mesh one after the other make the bits that each alone would make. */
+static void many_are_as_one_by_one(void **state) {
+    (void)state;
+    for (int which = 0; which < PART_COUNT; ++which) {
+        const mcv_transform frame = frame_of(2);
+        const mcv_json_path place = mcv_place_file("(test)");
+        mcv_scene *scenes[2];
+        mcv_known_meshes known = {0};
+        for (int together = 0; together < 2; ++together) {
+            mcv_scene *scene = scenes[together] = scene_of((part)which, &frame);
+            mcv_defect all[MANY];
+            locate_many(scene, (part)which, all);
+            for (int i = 0; i < MANY; ++i) {
+                all[i].instances[1] = scene->instance_count; /* with earlier patches */
+                BUILD(together
+                          ? mcv_defect_apply_known(scene, &known, all + i, &place, &builder_error)
+                          : mcv_defect_apply(scene, all + i, &place, &builder_error));
+            }
+        }
+        BUILD(mcv_defects_finish(scenes[1], &known, &place, &builder_error));
+        assert_int_equal(scenes[0]->triangle_count, scenes[1]->triangle_count);
+        assert_int_equal(scenes[0]->mesh_count, scenes[1]->mesh_count);
+        for (uint32_t m = 0; m < scenes[0]->mesh_count; ++m)
+            expect_same_mesh(scenes[0]->meshes + m, scenes[1]->meshes + m);
+        mcv_known_meshes_free(&known);
+        for (int k = 0; k < 2; ++k) mcv_scene_free(scenes[k]);
+    }
+}
+
 int main(void) {
     const struct CMUnitTest tests[] = {cmocka_unit_test(digs_are_caps),
                                        cmocka_unit_test(burrs_stand_on_edges),
@@ -366,6 +419,7 @@ int main(void) {
                                        cmocka_unit_test(bites_have_normals_of_the_ball),
                                        cmocka_unit_test(patches_have_instances_of_their_own),
                                        cmocka_unit_test(patches_keep_parts_closed),
+                                       cmocka_unit_test(many_are_as_one_by_one),
                                        cmocka_unit_test(reads_notations),
                                        cmocka_unit_test(draws_as_many_as_the_notation_says),
                                        cmocka_unit_test(refuses_bad_input),
