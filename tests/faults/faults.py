@@ -40,6 +40,7 @@ Work = collections.namedtuple("Work", "arguments kinds")
 WORK = (
     Work(["check", SCENE], ("memory",)),
     Work(["check", "--json", SCENE], ("memory",)),
+    Work(["check", "INPUTS/defects.gltf"], ("memory",)),
     Work(["check", "--strict", SCENE], ("memory",)),
     Work(["check", "--strict", "--json", SCENE], ("memory",)),
     Work(["render", SCENE, *REFERENCE, *TINY, "-o", "out.exr"], ("memory", *FILES)),
@@ -52,6 +53,22 @@ WORK = (
     Work(["relight", "INPUTS/in.npz", "-o", "out.exr"], ("memory", *FILES)),
     Work(["sweep", SCENE, *REFERENCE, *TINY, "--vary", "emitters/0/irradiance=1,2", "--region",
           "all=0,0,4,4", "--metric", "all.mean", "-o", "out.csv"], ("memory", *FILES)))
+
+
+def with_defects(scene):
+    """A scene whose panel has defects over one another, and whose camera looks at it by its name."""
+    document = json.loads(scene.read_text())
+    for node in document["nodes"]:
+        if node["name"] == "camera":
+            node["extensions"]["MCVISI_pose"]["target"] = "panel"
+    defects = document["extensions"]["MCVISI_defects"]["defects"]
+    one = {"node": defects[0]["node"], "size": "1mm", "depth": "5um", "count": 1}
+    defects += [{**one, "type": "dent", "name": "many", "count": 2, "seed": 1},
+                {"node": one["node"], "type": "stain", "name": "stain", "size": "1mm", "count": 1,
+                 "material": document["materials"][0]["name"]},
+                {**one, "type": "scratch", "name": "scratch", "length": "2mm", "at": [0.02, 0.015, 0]}]
+    del defects[-1]["count"]
+    return json.dumps(document)
 
 
 def contents(path):
@@ -96,6 +113,8 @@ class Runs:
         self.inputs = self.folder / "inputs"
         self.inputs.mkdir(parents=True)
         self.count = 0
+        (self.inputs / "defects.gltf").write_text(
+            with_defects(self.sources / "scenes/painted-panel.gltf"))
         for arguments in INPUTS:
             subprocess.run(self.words(arguments), cwd=self.inputs, check=True,
                            stdout=subprocess.DEVNULL)
