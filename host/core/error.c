@@ -24,8 +24,9 @@ static void shorten_words(char *text) {
         if (length > 0 && word[length] == ' ' && strchr(":;,", word[length - 1]))
             --length; /* of the sentence */
         if (length > LONGEST) {
-            leave_out(word + mcv_whole_characters(word, SHOWN), word + length);
-            length = SHOWN;
+            const size_t shown = (size_t)mcv_whole_characters(word, SHOWN);
+            leave_out(word + shown, word + length);
+            length = shown + sizeof dots - 1;
         }
         word += length;
         word += strcspn(word, " \"/");

@@ -21,7 +21,7 @@ mcv_result mcv_fail(mcv_error *error, mcv_result code, const char *format, ...)
     ;
 
 /* Writes place and sentence. What does not fit is left out where it tells least: in long words,
- * then in the middle. Where line feeds may stay, at the end. */
+ * then in the middle. If line feeds may stay, the end is left out. */
 void mcv_write_sentence(mcv_error *error, bool lines, const char *place, const char *format,
                         va_list arguments)
 #ifdef __GNUC__

@@ -211,19 +211,20 @@ static size_t edit_distance(const char *a, const char *b) {
 }
 
 mcv_result mcv_json_file_read(const char *path, json_t **document, mcv_error *error) {
-    const uint64_t most = 4000000;
     uint64_t size;
     json_error_t wrong;
     FILE *file;
     *document = NULL;
     MCV_TRY(mcv_file_open(path, &file, &size, error));
-    if (size <= most) *document = json_loadf(file, JSON_REJECT_DUPLICATES, &wrong);
+    const bool small = size <= MCV_JSON_FILE_MOST;
+    if (small) *document = json_loadf(file, JSON_REJECT_DUPLICATES, &wrong);
     fclose(file);
     if (*document) return MCV_OK;
-    return size > most ? mcv_fail(error, MCV_BAD_INPUT,
-                                  "%s: is larger than 4 MB, the limit for such a file", path)
-                       : mcv_fail(error, MCV_BAD_INPUT, "%s: line %d column %d is not JSON: %s",
-                                  path, wrong.line, wrong.column, mcv_json_wrong(&wrong));
+    if (!small)
+        return mcv_fail(error, MCV_BAD_INPUT, "%s: is larger than 4 MB, the limit for such a file",
+                        path);
+    return mcv_fail(error, MCV_BAD_INPUT, "%s: line %d column %d is not JSON: %s", path, wrong.line,
+                    wrong.column, mcv_json_wrong(&wrong));
 }
 
 const char *mcv_json_wrong(const json_error_t *wrong) {

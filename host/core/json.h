@@ -56,8 +56,11 @@ json_t *mcv_json_extension(const json_t *object, const char *name);
 /* The member `name` of an object as a string, "" if absent. */
 const char *mcv_json_name(const json_t *object);
 
-/* Reads an experiment, or what stands beside a table: a regular file of at most 4 MB, whose tree
- * then takes some 300 MB at most. MCV_BAD_INPUT names it. The caller owns *document. */
+/* Bytes of an experiment, and of what stands beside a table, at most. As a tree they take some
+ * 300 MB. */
+enum { MCV_JSON_FILE_MOST = 4000000 };
+
+/* Reads such a file: a regular one. MCV_BAD_INPUT names it. The caller owns *document. */
 mcv_result mcv_json_file_read(const char *path, json_t **document, mcv_error *error);
 
 /* The parser's error, without words about options of the parser. */

@@ -111,7 +111,7 @@ static mcv_result edit(const mcv_facets *facets, mcv_scene *scene, mcv_known_mes
     const bool memory = append(scene->meshes + number, mesh, &more);
     mcv_mesh_free(&more);
     if (!memory) return mcv_fail_memory(place, error);
-    /* Defects in one place would keep all that earlier ones made. */
+    /* Without this, many defects in one place would keep all triangles that earlier ones made. */
     return mesh->gone_count > scene->meshes[number].triangle_count / 2
                ? compact(scene, known, instance, place, error)
                : MCV_OK;

@@ -99,8 +99,7 @@ typedef struct mcv_marks {
 bool mcv_marks_add(mcv_marks *marks, uint32_t instance, uint32_t triangle);
 
 /* The triangles of the defect's instances that its footprint reaches on its own surface are added
- * to marks, unless these are NULL. Fails where that surface turns
- * away. Sets low and high. */
+ * to marks, unless these are NULL. Fails where that surface turns away. Sets low and high. */
 mcv_result mcv_ground_find(mcv_ground *ground, mcv_marks *marks, const mcv_json_path *place,
                            mcv_error *error);
 

@@ -158,7 +158,7 @@ mcv_result mcv_experiment_open_table(mcv_sweep *s, mcv_error *error) {
                         "%s exists already: continue it by --resume, begin it again by "
                         "--force, or give another name by -o",
                         s->table.path);
-    if (!s->experiment->force) MCV_TRY(mcv_sidecar_is_free(s->table.sidecar, error));
+    if (!exists && !s->experiment->force) MCV_TRY(mcv_sidecar_is_free(s->table.sidecar, error));
     const char *const files[] = {s->table.path, s->table.sidecar, s->table.page};
     for (size_t i = 0; i < sizeof files / sizeof files[0]; ++i)
         MCV_TRY(mcv_output_check(files[i], error));

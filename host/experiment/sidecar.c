@@ -48,7 +48,14 @@ mcv_result mcv_sidecar_write(const mcv_sidecar *s, mcv_error *error) {
     char *text = json_dumps(document, JSON_INDENT(2) | JSON_REAL_PRECISION(17));
     json_decref(document);
     if (!text) return mcv_fail(error, MCV_FAILED, "%s: the experiment must be UTF-8 text", s->path);
-    const mcv_result result = mcv_output_whole(s->path, text, strlen(text), error);
+    const size_t size = strlen(text);
+    const mcv_result result =
+        size > MCV_JSON_FILE_MOST
+            ? mcv_fail(error, MCV_BAD_INPUT,
+                       "%s: the experiment would take %zu bytes, more than the limit of 4 MB for "
+                       "such a file: give fewer values, or a shorter note",
+                       s->path, size)
+            : mcv_output_whole(s->path, text, size, error);
     free(text);
     return result;
 }

@@ -163,6 +163,11 @@ static void test_files_of_the_user_are_kept(void **state) {
     assert_string_equal(read_whole("plate.json"), plate);
     assert_int_equal(access("plate.csv", F_OK), -1);
     program_well("merge part.0-of-3.csv part.1-of-3.csv -o plate.csv --force");
+    /* A damaged file beside a table is not taken for one of the user: --force would lose the rows.
+     */
+    assert_int_equal(system("cp whole.csv cut.csv; head -c 100 whole.json >cut.json"), 0);
+    program_fails(SWEEP " -o cut.csv --resume", 3, "without it cut.csv cannot be resumed");
+    assert_null(strstr(said, "--force"));
     /* What a sweep has written there is replaced once its table is gone. */
     assert_int_equal(unlink("plate.csv"), 0);
     program_well(SWEEP " -o plate.csv");
