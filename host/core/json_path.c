@@ -52,7 +52,7 @@ mcv_result(mcv_fail_at)(const mcv_json_path *place, mcv_error *error, const char
     return MCV_BAD_INPUT;
 }
 
-mcv_result mcv_fail_memory(const mcv_json_path *place, mcv_error *error) {
+mcv_result(mcv_fail_memory)(const mcv_json_path *place, mcv_error *error) {
     mcv_fail_at(place, error, "no memory for it");
     return MCV_FAILED;
 }

@@ -35,6 +35,9 @@ mcv_result mcv_fail_at(const mcv_json_path *place, mcv_error *error, const char 
 
 /* No memory for what is at `place`. */
 mcv_result mcv_fail_memory(const mcv_json_path *place, mcv_error *error);
+#ifdef __clang_analyzer__ /* as of mcv_fail */
+#define mcv_fail_memory(place, error) (mcv_fail_memory(place, error), MCV_FAILED)
+#endif
 
 #ifdef __cplusplus
 }

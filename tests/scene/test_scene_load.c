@@ -980,11 +980,11 @@ static void test_chains_of_poses(void **state) {
         uint32_t found = 0;
         for (uint32_t k = 0; k < scene->frame_count; ++k) {
             if (scene->frames[k].name[0] != 'p') continue;
-            const int i = atoi(scene->frames[k].name + 1);
+            const long i = strtol(scene->frames[k].name + 1, NULL, 10);
             const double *at = scene->frames[k].to_world.m + 9;
             const bool high = kind == BY_PARENTS;
-            assert_close(at[1], high ? i + 1 : 0, most, most, "height");
-            assert_close(at[2], high ? 0.1 : 0.1 * (i + 1), most, most, "distance");
+            assert_close(at[1], high ? (double)i + 1 : 0, most, most, "height");
+            assert_close(at[2], high ? 0.1 : 0.1 * ((double)i + 1), most, most, "distance");
             ++found;
         }
         assert_int_equal(found, most);
