@@ -14,7 +14,7 @@ typedef struct named_node {
 } named_node;
 
 typedef struct known_frame {
-    bool known;
+    enum { UNKNOWN, BEING_FOUND, KNOWN } state;
     int steps; /* targets and parents that it follows from */
     mcv_transform transform;
 } known_frame;
@@ -92,31 +92,50 @@ mcv_result mcv_load_find_node(mcv_loader *loader, const char *name, uint32_t *in
     return MCV_OK;
 }
 
+/* Finds the frame of a node that is not known, or that lies too deep. */
+static mcv_result find_frame(mcv_loader *loader, uint32_t index, int depth, const json_t *node,
+                             mcv_transform *transform, const mcv_json_path *here,
+                             mcv_error *error) {
+    bool posed;
+    MCV_TRY(mcv_load_pose(loader, node, depth, &posed, transform, here, error));
+    if (!posed) MCV_TRY(mcv_load_local(node, transform, here, error));
+    const uint32_t parent = loader->frames->parents[index];
+    if (posed || parent == MCV_NONE) return MCV_OK;
+    mcv_transform outer;
+    MCV_TRY(mcv_load_transform(loader, parent, depth + 1, &outer, error));
+    *transform = mcv_transform_compose(&outer, transform);
+    return MCV_OK;
+}
+
 mcv_result mcv_load_transform(mcv_loader *loader, uint32_t index, int depth,
                               mcv_transform *transform, mcv_error *error) {
     const json_t *node = json_array_get(json_object_get(loader->root, "nodes"), index);
     const mcv_json_path place = mcv_json_path_key(&loader->file, "nodes"),
                         here = mcv_json_path_element(&place, mcv_json_name(node), index);
-    bool posed;
-    if (depth > MCV_NODE_DEPTH)
-        return mcv_fail_at(&here, error, "its pose has itself as its target, through other nodes");
     MCV_TRY(need_frames(loader, error));
     struct mcv_frames *frames = loader->frames;
     known_frame *known = frames->known + index;
+    if (known->state == BEING_FOUND)
+        return mcv_fail_at(&here, error,
+                           "its place follows from itself: a target of a pose leads back to it");
+    if (depth > MCV_NODE_DEPTH)
+        return mcv_fail_at(&here, error,
+                           "more than %d targets and parents lead to it from the node that it "
+                           "places: shorten the chain of poses",
+                           MCV_NODE_DEPTH);
     /* One that lies too deep is followed again, to the node that the sentence names. */
-    if (known->known && depth + known->steps <= MCV_NODE_DEPTH) {
+    if (known->state == KNOWN && depth + known->steps <= MCV_NODE_DEPTH) {
         *transform = known->transform;
         frames->depth = depth + known->steps;
         return MCV_OK;
     }
     frames->depth = depth;
-    MCV_TRY(mcv_load_pose(loader, node, depth, &posed, transform, &here, error));
-    if (!posed) MCV_TRY(mcv_load_local(node, transform, &here, error));
-    if (!posed && frames->parents[index] != MCV_NONE) {
-        mcv_transform outer;
-        MCV_TRY(mcv_load_transform(loader, frames->parents[index], depth + 1, &outer, error));
-        *transform = mcv_transform_compose(&outer, transform);
+    known->state = BEING_FOUND;
+    const mcv_result result = find_frame(loader, index, depth, node, transform, &here, error);
+    if (result != MCV_OK) {
+        known->state = UNKNOWN;
+        return result;
     }
-    *known = (known_frame){true, frames->depth - depth, *transform};
+    *known = (known_frame){KNOWN, frames->depth - depth, *transform};
     return MCV_OK;
 }

@@ -326,7 +326,7 @@ static void test_bad_elements(void **state) {
          "nodes/n/target: a point must have 3 coordinates"},
         {POSED("\"target\":[1,2,\"3deg\"],\"distance\":1"),
          "nodes/n/target: coordinate 2 must be a length"},
-        {POSED("\"target\":\"n\",\"distance\":1"), "nodes/n: its pose has itself as its target"},
+        {POSED("\"target\":\"n\",\"distance\":1"), "nodes/n: its place follows from itself"},
         {POSED("\"target\":[0,0,0]"), "nodes/n/distance: is missing"},
         {POSED("\"target\":[0,0,0],\"distance\":0"), "nodes/n/distance: 0 must be above 0"},
         {POSED("\"target\":[0,0,0],\"distance\":1,\"azimut\":1"),
