@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "io/exr_header.h"
 
+#include "scene/memory.h"
+
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -305,13 +307,17 @@ static mcv_result read_parts(mcv_exr_reader *r, mcv_exr_header *header) {
     r->tiled = (version & FLAG_TILED) != 0;
     r->long_names = (version & FLAG_LONG_NAMES) != 0;
 
-    uint64_t bytes = 0;
+    uint64_t pixels = 0, values = 0;
     do {
         if (header->part_count == MCV_EXR_MAX_PARTS) return refused(r, "more than 128 parts");
         MCV_TRY(read_part(r, header));
         const mcv_exr_part_header *part = &header->parts[header->part_count - 1];
-        bytes += (uint64_t)part->width * part->height * part->channel_count * sizeof(float);
-        if (bytes > MCV_EXR_MAX_BYTES) return refused(r, "more than 4 GiB of pixels");
+        const uint64_t here = (uint64_t)part->width * part->height;
+        if (header->part_count == 1) pixels = here;
+        values += here * part->channel_count;
+        if (values * sizeof(float) > MCV_EXR_MAX_BYTES)
+            return refused(r, "more than 4 GiB of pixels");
+        MCV_TRY(mcv_memory_check_image(r->path, pixels, values, r->error));
         if (r->at >= r->size) return mcv_exr_damaged(r, "it ends with the header");
     } while (r->multi_part && r->bytes[r->at] != 0);
     if (r->multi_part) ++r->at; /* the empty header that ends the list */

@@ -2,6 +2,7 @@
 /* Grey values as NPY arrays (numpy.lib.format, version 1.0), little-endian. */
 #include "core/output_file.h"
 #include "io/values.h"
+#include "scene/memory.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -117,6 +118,7 @@ static mcv_result decode(const char *path, const uint8_t *bytes, size_t size, mc
     if (size - start - length < plane * channels * item)
         return mcv_fail(error, MCV_BAD_INPUT, "%s: is truncated: %zu of %zu bytes of values", path,
                         size - start - length, plane * channels * item);
+    MCV_TRY(mcv_memory_check_image(path, plane, plane * channels, error));
     MCV_TRY(mcv_image_new(image, width, height, channels, error));
     const uint8_t *values = bytes + start + length;
     for (size_t i = 0; i < plane * channels; ++i)

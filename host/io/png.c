@@ -5,6 +5,7 @@
 #include "core/output_file.h"
 #include "io/values.h"
 #include "scene/camera_model.h"
+#include "scene/memory.h"
 
 #include <math.h>
 #include <png.h>
@@ -318,7 +319,10 @@ static void decode(source *s) {
         s->height = png_get_image_height(png, info);
         s->channels = png_get_channels(png, info);
         s->bits = png_get_bit_depth(png, info);
-        const size_t row = png_get_rowbytes(png, info);
+        const size_t row = png_get_rowbytes(png, info), pixels = (size_t)s->width * s->height;
+        s->result =
+            mcv_memory_check_image(s->path, pixels, pixels * (s->channels < 3 ? 1 : 3), s->error);
+        if (s->result != MCV_OK) png_error(png, "it is too large");
         s->values = malloc(row * s->height);
         if (!s->values) png_error(png, "no memory for its pixels");
         const int passes = png_get_interlace_type(png, info) == PNG_INTERLACE_NONE ? 1 : 7;

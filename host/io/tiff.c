@@ -2,6 +2,7 @@
 /* Grey values as TIFF, by libtiff: uncompressed, one strip a row block, the values as they are. */
 #include "core/output_file.h"
 #include "io/values.h"
+#include "scene/memory.h"
 
 #include <stdarg.h>
 #include <stdio.h>
@@ -143,6 +144,8 @@ static mcv_result decode(TIFF *tiff, const memory *m, const char *path, mcv_imag
         (size_t)TIFFScanlineSize(tiff) != row)
         return mcv_fail(error, MCV_BAD_INPUT, "%s: a TIFF of %u x %u pixels cannot be read", path,
                         width, height);
+    const size_t pixels = (size_t)width * height;
+    MCV_TRY(mcv_memory_check_image(path, pixels, pixels * channels, error));
     uint8_t *values = malloc(row * height);
     mcv_result result = values ? MCV_OK
                                : mcv_fail(error, MCV_FAILED, "%s: no memory for %u x %u pixels",

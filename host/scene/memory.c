@@ -14,6 +14,16 @@ uint64_t mcv_memory_default(void) {
     return memory / 2;
 }
 
+mcv_result mcv_memory_check_image(const char *path, uint64_t pixels, uint64_t values,
+                                  mcv_error *error) {
+    const uint64_t bytes = 4 * values + 12 * pixels, most = mcv_memory_default();
+    if (bytes <= most) return MCV_OK;
+    return mcv_fail(error, MCV_BAD_INPUT,
+                    "%s: an image of %.4g million pixels takes %.4g MB, more than the limit of "
+                    "%.4g MB, half of the memory of the machine or process",
+                    path, 1e-6 * (double)pixels, 1e-6 * (double)bytes, 1e-6 * (double)most);
+}
+
 uint64_t mcv_memory_total(const mcv_memory *memory) {
     return memory->files + memory->images + memory->geometry;
 }
