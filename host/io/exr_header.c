@@ -23,12 +23,6 @@ enum {
 
 enum { MAX_ATTRIBUTES = 1024 };
 
-typedef struct raw_attribute {
-    const char *name, *type;
-    const uint8_t *value;
-    uint32_t size;
-} raw_attribute;
-
 mcv_result mcv_exr_damaged(const mcv_exr_reader *r, const char *what) {
     return mcv_fail(r->error, MCV_BAD_INPUT, "%s: damaged OpenEXR file: %s (at byte %zu of %zu)",
                     r->path, what, r->at, r->size);
@@ -73,7 +67,19 @@ static const char *take_name(mcv_exr_reader *r) {
     return name;
 }
 
-static mcv_result read_channels(const mcv_exr_reader *r, const raw_attribute *attribute,
+bool mcv_exr_take_attribute(mcv_exr_reader *r, mcv_exr_raw *a) {
+    *a = (mcv_exr_raw){.name = take_name(r)};
+    if (!a->name) return false;
+    if (a->name[0] == '\0') return true;
+    a->type = take_name(r);
+    const uint8_t *size = a->type ? mcv_exr_take(r, 4) : NULL;
+    if (!size) return false;
+    a->size = mcv_exr_u32(size);
+    a->value = mcv_exr_take(r, a->size);
+    return a->value;
+}
+
+static mcv_result read_channels(const mcv_exr_reader *r, const mcv_exr_raw *attribute,
                                 mcv_exr_part_header *part) {
     mcv_exr_reader list = *r;
     list.bytes = attribute->value;
@@ -103,7 +109,7 @@ static mcv_result read_channels(const mcv_exr_reader *r, const raw_attribute *at
     return MCV_OK;
 }
 
-static mcv_result read_window(const mcv_exr_reader *r, const raw_attribute *attribute,
+static mcv_result read_window(const mcv_exr_reader *r, const mcv_exr_raw *attribute,
                               mcv_exr_part_header *part) {
     int64_t box[4];
     for (int i = 0; i < 4; ++i) {
@@ -121,18 +127,17 @@ static mcv_result read_window(const mcv_exr_reader *r, const raw_attribute *attr
     return MCV_OK;
 }
 
-static bool is(const raw_attribute *attribute, const char *name) {
+static bool is(const mcv_exr_raw *attribute, const char *name) {
     return strcmp(attribute->name, name) == 0;
 }
 
-static bool has_type(const raw_attribute *attribute, const char *type, uint32_t size) {
+static bool has_type(const mcv_exr_raw *attribute, const char *type, uint32_t size) {
     return strcmp(attribute->type, type) == 0 && attribute->size == size;
 }
 
 /* Width and height of a tile; the kind of levels, and how their sizes are rounded. */
-static mcv_result read_tiles(const mcv_exr_reader *r, const raw_attribute *a,
+static mcv_result read_tiles(const mcv_exr_reader *r, const mcv_exr_raw *a,
                              mcv_exr_part_header *part) {
-    if (!has_type(a, "tiledesc", 9)) return mcv_exr_damaged(r, "`tiles` must describe tiles");
     part->tile_width = mcv_exr_u32(a->value);
     part->tile_height = mcv_exr_u32(a->value + 4);
     part->level_mode = a->value[8] & 0xf;
@@ -147,23 +152,17 @@ static mcv_result read_tiles(const mcv_exr_reader *r, const raw_attribute *a,
 
 /* Takes an attribute on which the pixels depend; others are passed over. Sets the bit of what was
  * seen. */
-static mcv_result read_essential(const mcv_exr_reader *r, const raw_attribute *a,
+static mcv_result read_essential(const mcv_exr_reader *r, const mcv_exr_raw *a,
                                  mcv_exr_part_header *part, uint32_t *seen) {
     if (is(a, "channels")) {
-        if (strcmp(a->type, "chlist") != 0)
-            return mcv_exr_damaged(r, "`channels` must be a channel list");
         *seen |= SEEN_CHANNELS;
         return read_channels(r, a, part);
     }
     if (is(a, "dataWindow")) {
-        if (!has_type(a, "box2i", 16))
-            return mcv_exr_damaged(r, "`dataWindow` must be a box of integers");
         *seen |= SEEN_WINDOW;
         return read_window(r, a, part);
     }
     if (is(a, "compression")) {
-        if (!has_type(a, "compression", 1))
-            return mcv_exr_damaged(r, "`compression` must be a known compression");
         if (a->value[0] >= MCV_EXR_COMPRESSIONS)
             return mcv_exr_damaged(r, "`compression` must be a known compression");
         part->compression = a->value[0];
@@ -175,12 +174,11 @@ static mcv_result read_essential(const mcv_exr_reader *r, const raw_attribute *a
         part->tiled = tiled;
         *seen |= SEEN_TYPE;
     } else if (is(a, "name")) {
-        if (strcmp(a->type, "string") != 0 || a->size >= MCV_EXR_NAME)
+        if (a->size >= MCV_EXR_NAME)
             return mcv_exr_damaged(r, "`name` must be a string of limited length");
         memcpy(part->name, a->value, a->size);
         *seen |= SEEN_NAME;
     } else if (is(a, "chunkCount")) {
-        if (!has_type(a, "int", 4)) return mcv_exr_damaged(r, "`chunkCount` must be an integer");
         part->chunk_count = mcv_exr_u32(a->value);
         *seen |= SEEN_CHUNKS;
     } else if (is(a, "tiles")) {
@@ -202,7 +200,7 @@ static double number_at(const uint8_t *value, char scalar) {
 
 /* What OpenEXR itself writes into each part. It is no news to the caller, and must not be written
  * again. */
-static bool is_structure(const raw_attribute *a) {
+static bool is_structure(const mcv_exr_raw *a) {
     static const char *const names[] = {"name",
                                         "type",
                                         "chunkCount",
@@ -218,7 +216,7 @@ static bool is_structure(const raw_attribute *a) {
 
 /* Keeps an attribute of part 0 for the caller, where its type is one that mcv_attribute can hold.
  */
-static mcv_result keep_attribute(const mcv_exr_reader *r, const raw_attribute *a,
+static mcv_result keep_attribute(const mcv_exr_reader *r, const mcv_exr_raw *a,
                                  mcv_exr_header *header) {
     static const struct {
         const char *type;
@@ -255,17 +253,15 @@ static mcv_result read_part(mcv_exr_reader *r, mcv_exr_header *header) {
     uint32_t seen = 0, count = 0;
     const char *names[MAX_ATTRIBUTES];
     for (;; ++count) {
-        raw_attribute a;
-        a.name = take_name(r);
-        if (!a.name) return mcv_exr_damaged(r, "an attribute's name has no end");
+        mcv_exr_raw a;
+        const char *wrong = NULL;
+        if (!mcv_exr_take_attribute(r, &a))
+            return mcv_exr_damaged(r, !a.name   ? "an attribute's name has no end"
+                                      : !a.size ? "an attribute is truncated"
+                                                : "an attribute is longer than the file");
         if (a.name[0] == '\0') break;
         if (count == MAX_ATTRIBUTES) return mcv_exr_damaged(r, "more than 1024 attributes");
-        a.type = take_name(r);
-        const uint8_t *size = a.type ? mcv_exr_take(r, 4) : NULL;
-        if (!size) return mcv_exr_damaged(r, "an attribute is truncated");
-        a.size = mcv_exr_u32(size);
-        a.value = mcv_exr_take(r, a.size);
-        if (!a.value) return mcv_exr_damaged(r, "an attribute is longer than the file");
+        if ((wrong = mcv_exr_wrong_attribute(&a))) return mcv_exr_damaged(r, wrong);
         for (uint32_t i = 0; i < count; ++i) {
             if (strcmp(names[i], a.name) == 0)
                 return mcv_exr_damaged(r, "an attribute occurs twice");
@@ -292,21 +288,27 @@ static mcv_result read_part(mcv_exr_reader *r, mcv_exr_header *header) {
     return MCV_OK;
 }
 
+mcv_exr_reader mcv_exr_reader_begin(const char *path, const uint8_t *bytes, size_t size,
+                                    mcv_error *error) {
+    mcv_exr_reader r = {.path = path, .bytes = bytes, .size = size, .error = error};
+    if (!mcv_exr_take(&r, 8)) return r;
+    const uint32_t version = mcv_exr_u32(bytes + 4);
+    r.multi_part = (version & FLAG_MULTI_PART) != 0;
+    r.tiled = (version & FLAG_TILED) != 0;
+    r.long_names = (version & FLAG_LONG_NAMES) != 0;
+    return r;
+}
+
 static mcv_result read_parts(mcv_exr_reader *r, mcv_exr_header *header) {
-    const uint8_t *start = mcv_exr_take(r, 8);
-    if (!start || mcv_exr_u32(start) != 20000630u) {
+    if (r->at < 8 || mcv_exr_u32(r->bytes) != 20000630u) {
         return mcv_fail(r->error, MCV_BAD_INPUT,
                         "%s: not an OpenEXR file: its first bytes are not 76 2f 31 01", r->path);
     }
-    const uint32_t version = mcv_exr_u32(start + 4);
+    const uint32_t version = mcv_exr_u32(r->bytes + 4);
     if ((version & 0xffu) != 2) return mcv_exr_damaged(r, "its version is not 2");
     if (version & FLAG_DEEP) return refused(r, "a deep image");
     if (version & ~(0xffu | FLAG_TILED | FLAG_LONG_NAMES | FLAG_MULTI_PART))
         return mcv_exr_damaged(r, "unknown flags beside the version");
-    r->multi_part = (version & FLAG_MULTI_PART) != 0;
-    r->tiled = (version & FLAG_TILED) != 0;
-    r->long_names = (version & FLAG_LONG_NAMES) != 0;
-
     uint64_t pixels = 0, values = 0;
     do {
         if (header->part_count == MCV_EXR_MAX_PARTS) return refused(r, "more than 128 parts");
@@ -326,7 +328,7 @@ static mcv_result read_parts(mcv_exr_reader *r, mcv_exr_header *header) {
 
 mcv_result mcv_exr_header_read(const char *path, const uint8_t *bytes, size_t size,
                                mcv_exr_header *header, mcv_error *error) {
-    mcv_exr_reader r = {.path = path, .bytes = bytes, .size = size, .error = error};
+    mcv_exr_reader r = mcv_exr_reader_begin(path, bytes, size, error);
     *header = (mcv_exr_header){.parts = calloc(MCV_EXR_MAX_PARTS, sizeof *header->parts),
                                .attributes = calloc(MAX_ATTRIBUTES, sizeof *header->attributes)};
     mcv_result result;

@@ -59,6 +59,14 @@ mcv_result mcv_exr_header_read(const char *path, const uint8_t *bytes, size_t si
                                mcv_exr_header *header, mcv_error *error);
 void mcv_exr_header_free(mcv_exr_header *header);
 
+/*
+ * Gives all attributes that decoding does not need a type that OpenEXR does not know, in a file
+ * whose header was read. OpenEXR then passes over them by their size. It takes those of known types
+ * by what they say of themselves: a preview or a manifest of 20 bytes asks for gigabytes, and an
+ * integer of 8 bytes moves all that follows.
+ */
+void mcv_exr_hide_attributes(uint8_t *bytes, size_t size);
+
 /* A file in memory while its header is read: `at` is the next byte. */
 typedef struct mcv_exr_reader {
     const char *path;
@@ -68,9 +76,27 @@ typedef struct mcv_exr_reader {
     mcv_error *error;
 } mcv_exr_reader;
 
+/* An attribute as the file has it. */
+typedef struct mcv_exr_raw {
+    const char *name, *type;
+    const uint8_t *value;
+    uint32_t size;
+} mcv_exr_raw;
+
+/* Behind the first eight bytes, with what their flags say; at 0 where the file has fewer. */
+mcv_exr_reader mcv_exr_reader_begin(const char *path, const uint8_t *bytes, size_t size,
+                                    mcv_error *error);
+
 /* The next count bytes, or NULL where the file has fewer. */
 const uint8_t *mcv_exr_take(mcv_exr_reader *r, size_t count);
 mcv_result mcv_exr_damaged(const mcv_exr_reader *r, const char *what);
+
+/* The next attribute; the empty name that ends a part's has no more. False where the file ends. */
+bool mcv_exr_take_attribute(mcv_exr_reader *r, mcv_exr_raw *a);
+
+/* exr_attributes.c: what is wrong with the type or size of an attribute that decoding needs, or
+ * NULL. */
+const char *mcv_exr_wrong_attribute(const mcv_exr_raw *a);
 
 /* Little endian numbers. */
 uint32_t mcv_exr_u32(const uint8_t *b);

@@ -54,6 +54,7 @@ mcv_result mcv_exr_read(const char *path, mcv_exr *exr, mcv_error *error) {
             exr->part_count = p + 1;
             result = make_part(&header.parts[p], &exr->parts[p], error);
         }
+        mcv_exr_hide_attributes(bytes, size);
         if (result == MCV_OK) result = mcv_exr_decode(path, bytes, size, exr, error);
         /* The attributes change owners. */
         exr->attributes = header.attributes;

@@ -332,6 +332,52 @@ static void test_damage_is_reported(void **state) {
 
 /* The channels of a picture correlate by -1 to 1: the ends are read, what lies beyond is refused.
  */
+/* Puts `count` bytes of attributes behind the version of a file of one part and one chunk. */
+static void insert_attributes(const char *attributes, size_t count) {
+    size_t size, table = 8;
+    uint8_t *bytes = load(PATH, &size);
+    /* The table of offsets has the place behind itself. */
+    while (table + 8 < size && bytes[table] + 256U * bytes[table + 1] != table + 8) ++table;
+    assert_true(table + 8 < size && table + 8 + count < 65536);
+    bytes[table] = (uint8_t)(table + 8 + count);
+    bytes[table + 1] = (uint8_t)((table + 8 + count) >> 8);
+    FILE *file = fopen(PATH, "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(bytes, 1, 8, file), 8);
+    assert_int_equal(fwrite(attributes, 1, count, file), count);
+    assert_int_equal(fwrite(bytes + 8, 1, size - 8, file), size - 8);
+    assert_int_equal(fclose(file), 0);
+    free(bytes);
+}
+
+/* OpenEXR takes an attribute of a type that it knows by what it says of itself, not by its size:
+ * the integer of 8 bytes moves all that follows, the others ask for some gigabytes. */
+static void test_attributes_that_nobody_needs(void **state) {
+    (void)state;
+    static const char number[] = "a\0int\0\10\0\0\0\1\0\0\0\2\0\0",
+                      preview[] = "preview\0preview\0\10\0\0\0\377\177\0\0\377\177\0",
+                      manifest[] = "m\0idmanifest\0\14\0\0\0\0\377\377\177\0\0\0\0\1\2\3",
+                      nothing[] = "n\0\0\0\0\0";
+    static const struct {
+        const char *bytes;
+        size_t count;
+    } cases[] = {{number, sizeof number},
+                 {preview, sizeof preview},
+                 {manifest, sizeof manifest},
+                 {nothing, sizeof nothing}};
+    mcv_exr_part part = {.name = NULL, .image = new_image(9, 13, 1)};
+    fill(&part.image, 1);
+    for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
+        write_parts(&part, 1, NULL, 0);
+        insert_attributes(cases[i].bytes, cases[i].count);
+        mcv_exr exr = read_back();
+        assert_memory_equal(exr.parts[0].image.pixels, part.image.pixels, sizeof(float) * 9 * 13);
+        mcv_exr_free(&exr);
+    }
+    mcv_image_free(&part.image);
+    unlink(PATH);
+}
+
 static void test_correlation_of_channels(void **state) {
     static const double values[] = {-1, 1, -1.001, 1e300, NAN};
     mcv_image image = new_image(3, 2, 3);
@@ -406,6 +452,7 @@ int main(void) {
         cmocka_unit_test(test_header_bytes_are_the_standards),
         cmocka_unit_test(test_writing_refuses_by_name),
         cmocka_unit_test(test_damage_is_reported),
+        cmocka_unit_test(test_attributes_that_nobody_needs),
         cmocka_unit_test(test_correlation_of_channels),
         cmocka_unit_test(test_collected_files),
     };
