@@ -39,7 +39,7 @@ void mcv_exr_hide_attributes(uint8_t *bytes, size_t size) {
     mcv_exr_reader r = mcv_exr_reader_begin(NULL, bytes, size, NULL);
     do {
         mcv_exr_raw a;
-        while (mcv_exr_take_attribute(&r, &a) && a.name[0])
+        while (mcv_exr_take_attribute(&r, &a) && a.value)
             if (!find(a.name) && a.type[0]) bytes[a.type - (const char *)bytes] = '?';
     } while (r.multi_part && r.bytes[r.at] != 0);
 }

@@ -259,7 +259,7 @@ static mcv_result read_part(mcv_exr_reader *r, mcv_exr_header *header) {
             return mcv_exr_damaged(r, !a.name   ? "an attribute's name has no end"
                                       : !a.size ? "an attribute is truncated"
                                                 : "an attribute is longer than the file");
-        if (a.name[0] == '\0') break;
+        if (!a.value) break;
         if (count == MAX_ATTRIBUTES) return mcv_exr_damaged(r, "more than 1024 attributes");
         if ((wrong = mcv_exr_wrong_attribute(&a))) return mcv_exr_damaged(r, wrong);
         for (uint32_t i = 0; i < count; ++i) {

@@ -91,7 +91,7 @@ mcv_exr_reader mcv_exr_reader_begin(const char *path, const uint8_t *bytes, size
 const uint8_t *mcv_exr_take(mcv_exr_reader *r, size_t count);
 mcv_result mcv_exr_damaged(const mcv_exr_reader *r, const char *what);
 
-/* The next attribute; the empty name that ends a part's has no more. False where the file ends. */
+/* The next attribute; the empty name that ends a part's has no value. False where the file ends. */
 bool mcv_exr_take_attribute(mcv_exr_reader *r, mcv_exr_raw *a);
 
 /* exr_attributes.c: what is wrong with the type or size of an attribute that decoding needs, or
