@@ -120,8 +120,8 @@ mcv_result mcv_load_transform(mcv_loader *loader, uint32_t index, int depth,
                            "its place follows from itself: a target of a pose leads back to it");
     if (depth > MCV_NODE_DEPTH)
         return mcv_fail_at(&here, error,
-                           "more than %d targets and parents lead to it from the node that it "
-                           "places: shorten the chain of poses",
+                           "its place follows from more than %d targets and parents: break the "
+                           "circle of poses, or shorten the chain",
                            MCV_NODE_DEPTH);
     /* One that lies too deep is followed again, to the node that the sentence names. */
     if (known->state == KNOWN && depth + known->steps <= MCV_NODE_DEPTH) {
