@@ -1,6 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Experiments of sweep, uncertainty and optimize, by the first byte: planned up to their first
- * render. Nothing is written, and no program is run. */
+ * render, or through 100 sets that have none. Nothing is written, and no program is run. */
 #include "fuzz.h"
 
 #include "loader/load.h"
@@ -8,10 +8,19 @@
 #include "verbs/sweep.h"
 #include "verbs/uncertainty.h"
 
+/* An input asks for up to 100 000 sets, and one after the other may be refused. */
+static int sets_left;
+
+static mcv_result go_on(void *user) {
+    (void)user;
+    return --sets_left > 0 ? MCV_OK : MCV_INTERRUPTED;
+}
+
 static mcv_result stop(const mcv_scene *scene, uint32_t sensor, const mcv_render_options *options,
                        mcv_film *film, mcv_render_stats *stats, mcv_error *error) {
     (void)scene, (void)sensor, (void)options, (void)stats;
     memset(film, 0, sizeof *film);
+    sets_left = 0;
     return mcv_fail(error, MCV_INTERRUPTED, "stopped");
 }
 
@@ -76,6 +85,8 @@ int LLVMFuzzerTestOneInput(const uint8_t *data, size_t size) {
         experiment.document = &document;
         experiment.memory = 200000000;
         experiment.render_with = stop;
+        experiment.calls.interrupted = go_on;
+        sets_left = 100;
         result = verbs[kind].plan(&given.command, &experiment, &error);
     }
     fuzz_sentence(result, &error);
