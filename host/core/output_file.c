@@ -1,6 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "core/output_file.h"
 
+#include "core/memory_limit.h"
+
 #include <dirent.h>
 #include <errno.h>
 #include <fcntl.h>
@@ -12,7 +14,7 @@
 #include <unistd.h>
 
 enum { MAX_TEMPORARIES = 1000 };
-static const uint64_t LARGEST_INPUT = (uint64_t)1 << 32;
+static const uint64_t LARGEST_INPUT = (uint64_t)1 << 32; /* or half of the memory */
 
 /* Checks what exists at path: only nothing or a regular, writable file may be replaced. */
 static mcv_result check_target(const char *path, mcv_error *error) {
@@ -230,9 +232,10 @@ mcv_result mcv_file_load(const char *path, uint8_t **bytes, size_t *size, mcv_er
     mcv_result result = MCV_OK;
     *bytes = NULL;
     MCV_TRY(open_regular(path, &descriptor, &whole, error));
-    if (whole > LARGEST_INPUT) {
-        result =
-            mcv_fail(error, MCV_BAD_INPUT, "%s: is larger than 4 GiB, the limit for a file", path);
+    const uint64_t half = mcv_memory_default(), most = half < LARGEST_INPUT ? half : LARGEST_INPUT;
+    if (whole > most) {
+        result = mcv_fail(error, MCV_BAD_INPUT, "%s: is larger than %.4g MB, the limit for a file",
+                          path, 1e-6 * (double)most);
     } else if (!(*bytes = malloc((size_t)whole + 1))) {
         result = mcv_fail(error, MCV_FAILED, "%s: no memory for its %llu bytes", path,
                           (unsigned long long)whole);

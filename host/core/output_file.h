@@ -44,7 +44,8 @@ void mcv_output_discard(mcv_output *output);
 /* Opens a regular file for reading: a pipe or device may never end. MCV_BAD_INPUT names it. */
 mcv_result mcv_file_open(const char *path, FILE **file, uint64_t *size, mcv_error *error);
 
-/* Reads a whole regular file of at most 4 GiB; the caller frees *bytes. MCV_BAD_INPUT names it. */
+/* Reads a whole regular file of at most 4 GiB, or half of the memory; the caller frees *bytes.
+ * MCV_BAD_INPUT names it. */
 mcv_result mcv_file_load(const char *path, uint8_t **bytes, size_t *size, mcv_error *error);
 
 /* Writes a whole file: opens, writes, commits. */

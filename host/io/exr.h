@@ -66,8 +66,13 @@ mcv_result mcv_exr_write(const char *path, const mcv_exr_part *parts, uint32_t p
 mcv_result mcv_exr_read(const char *path, mcv_exr *exr, mcv_error *error);
 void mcv_exr_free(mcv_exr *exr);
 
-/* What a file holds, by its header alone: values of all parts, and pixels of part 0. */
-mcv_result mcv_exr_size(const char *path, uint64_t *values, uint64_t *pixels, mcv_error *error);
+/* The same for callers that have counted what it takes; mcv_exr_read refuses what takes more than
+ * half of the memory. */
+mcv_result mcv_exr_read_counted(const char *path, mcv_exr *exr, mcv_error *error);
+
+/* By the header alone: pixels of part 0, and the bytes that reading all parts takes beside the
+ * file. */
+mcv_result mcv_exr_size(const char *path, uint64_t *pixels, uint64_t *reading, mcv_error *error);
 
 /* The attribute of this name, or NULL. */
 const mcv_attribute *mcv_exr_attribute(const mcv_exr *exr, const char *name);

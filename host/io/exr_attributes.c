@@ -35,11 +35,22 @@ const char *mcv_exr_wrong_attribute(const mcv_exr_raw *a) {
     return e->wrong;
 }
 
-void mcv_exr_hide_attributes(uint8_t *bytes, size_t size) {
+static void put_u32(uint8_t *to, uint32_t number) {
+    for (int i = 0; i < 4; ++i) to[i] = (uint8_t)(number >> 8 * i);
+}
+
+void mcv_exr_simplify(uint8_t *bytes, size_t size, const mcv_exr_header *header) {
     mcv_exr_reader r = mcv_exr_reader_begin(NULL, bytes, size, NULL);
+    const mcv_exr_part_header *part = header->parts;
     do {
         mcv_exr_raw a;
-        while (mcv_exr_take_attribute(&r, &a) && a.value)
+        while (mcv_exr_take_attribute(&r, &a) && a.value) {
             if (!find(a.name) && a.type[0]) bytes[a.type - (const char *)bytes] = '?';
+            if (strcmp(a.name, "tiles") == 0) {
+                put_u32(bytes + (a.value - bytes), part->tile_width);
+                put_u32(bytes + (a.value - bytes) + 4, part->tile_height);
+            }
+        }
+        ++part;
     } while (r.multi_part && r.bytes[r.at] != 0);
 }

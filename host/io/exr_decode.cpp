@@ -6,6 +6,8 @@
 #include <ImfIO.h>
 #include <ImfInputPart.h>
 #include <ImfMultiPartInputFile.h>
+#include <ImfPartType.h>
+#include <ImfTiledInputPart.h>
 
 #include <cstring>
 #include <exception>
@@ -43,8 +45,7 @@ class stream : public Imf::IStream {
 };
 
 void decode_part(Imf::MultiPartInputFile &file, int index, const mcv_exr_part &part) {
-    Imf::InputPart input(file, index);
-    const Imath::Box2i window = input.header().dataWindow();
+    const Imath::Box2i window = file.header(index).dataWindow();
     const size_t width = part.image.width, height = part.image.height;
     Imf::FrameBuffer planes;
     for (uint32_t c = 0; c < part.image.channels; ++c)
@@ -53,8 +54,16 @@ void decode_part(Imf::MultiPartInputFile &file, int index, const mcv_exr_part &p
                                        window.min, static_cast<int64_t>(width),
                                        static_cast<int64_t>(height), sizeof(float),
                                        width * sizeof(float)));
-    input.setFrameBuffer(planes);
-    input.readPixels(window.min.y, window.max.y);
+    /* InputPart reads tiles, too, but keeps a row of them. */
+    if (file.header(index).type() == Imf::TILEDIMAGE) {
+        Imf::TiledInputPart input(file, index);
+        input.setFrameBuffer(planes);
+        input.readTiles(0, input.numXTiles(0) - 1, 0, input.numYTiles(0) - 1);
+    } else {
+        Imf::InputPart input(file, index);
+        input.setFrameBuffer(planes);
+        input.readPixels(window.min.y, window.max.y);
+    }
 }
 
 } // namespace

@@ -22,9 +22,9 @@ typedef struct mcv_exr_part_header {
     uint32_t compression;
     uint32_t chunk_count;
     bool tiled;
-    uint32_t tile_width, tile_height;
-    uint32_t level_mode; /* MCV_EXR_ONE_LEVEL … */
-    bool round_up;       /* sizes of levels are rounded up */
+    uint32_t tile_width, tile_height; /* at most those of the image */
+    uint32_t level_mode;              /* MCV_EXR_ONE_LEVEL … */
+    bool round_up;                    /* sizes of levels are rounded up */
 } mcv_exr_part_header;
 
 /* OpenEXR's numbers. */
@@ -63,9 +63,13 @@ void mcv_exr_header_free(mcv_exr_header *header);
  * Gives all attributes that decoding does not need a type that OpenEXR does not know, in a file
  * whose header was read. OpenEXR then passes over them by their size. It takes those of known types
  * by what they say of themselves: a preview or a manifest of 20 bytes asks for gigabytes, and an
- * integer of 8 bytes moves all that follows.
+ * integer of 8 bytes moves all that follows. Tiles get the sizes of the header.
  */
-void mcv_exr_hide_attributes(uint8_t *bytes, size_t size);
+void mcv_exr_simplify(uint8_t *bytes, size_t size, const mcv_exr_header *header);
+
+/* The bytes that reading takes beside the file: of pixels, and of what OpenEXR keeps of each part
+ * until it has read all. */
+uint64_t mcv_exr_reading_bytes(const mcv_exr_header *header);
 
 /* A file in memory while its header is read: `at` is the next byte. */
 typedef struct mcv_exr_reader {

@@ -3,6 +3,7 @@
 #include "io/exr_decode.h"
 #include "io/exr_header.h"
 
+#include "core/memory_limit.h"
 #include "core/output_file.h"
 
 #include <stdlib.h>
@@ -40,51 +41,73 @@ static mcv_result make_part(const mcv_exr_part_header *header, mcv_exr_part *par
     return MCV_OK;
 }
 
-mcv_result mcv_exr_read(const char *path, mcv_exr *exr, mcv_error *error) {
-    *exr = (mcv_exr){0};
+/* Loads a file and reads its header; both are the caller's after success. */
+static mcv_result load(const char *path, uint8_t **bytes, size_t *size, mcv_exr_header *header,
+                       mcv_error *error) {
+    MCV_TRY(mcv_file_load(path, bytes, size, error));
+    const mcv_result result = mcv_exr_header_read(path, *bytes, *size, header, error);
+    if (result != MCV_OK) free(*bytes);
+    return result;
+}
+
+static uint64_t pixels_of(const mcv_exr_header *header) {
+    return (uint64_t)header->parts[0].width * header->parts[0].height;
+}
+
+static mcv_result read_pixels(const char *path, uint8_t *bytes, size_t size,
+                              const mcv_exr_header *header, mcv_exr *exr, mcv_error *error) {
+    exr->parts = calloc(header->part_count, sizeof *exr->parts);
+    if (!exr->parts) return mcv_fail(error, MCV_FAILED, "%s: no memory for its parts", path);
+    for (uint32_t p = 0; p < header->part_count; ++p) {
+        exr->part_count = p + 1;
+        MCV_TRY(make_part(&header->parts[p], &exr->parts[p], error));
+    }
+    mcv_exr_simplify(bytes, size, header);
+    MCV_TRY(mcv_exr_decode(path, bytes, size, exr, error));
+    const double shared = mcv_exr_channel_correlation(exr);
+    if (shared >= -1 && shared <= 1) return MCV_OK;
+    return mcv_fail(error, MCV_BAD_INPUT, "%s: %s is %g; it must be -1 to 1", path,
+                    MCV_EXR_CHANNELS, shared);
+}
+
+static mcv_result read_file(const char *path, bool counted, mcv_exr *exr, mcv_error *error) {
     uint8_t *bytes;
     size_t size;
-    MCV_TRY(mcv_file_load(path, &bytes, &size, error));
     mcv_exr_header header;
-    mcv_result result = mcv_exr_header_read(path, bytes, size, &header, error);
-    if (result == MCV_OK) {
-        exr->parts = calloc(header.part_count, sizeof *exr->parts);
-        if (!exr->parts) result = mcv_fail(error, MCV_FAILED, "%s: no memory for its parts", path);
-        for (uint32_t p = 0; exr->parts && p < header.part_count && result == MCV_OK; ++p) {
-            exr->part_count = p + 1;
-            result = make_part(&header.parts[p], &exr->parts[p], error);
-        }
-        mcv_exr_hide_attributes(bytes, size);
-        if (result == MCV_OK) result = mcv_exr_decode(path, bytes, size, exr, error);
-        /* The attributes change owners. */
-        exr->attributes = header.attributes;
-        exr->attribute_count = header.attribute_count;
-        header.attributes = NULL;
-        header.attribute_count = 0;
-        mcv_exr_header_free(&header);
-        const double shared = mcv_exr_channel_correlation(exr);
-        if (result == MCV_OK && !(shared >= -1 && shared <= 1))
-            result = mcv_fail(error, MCV_BAD_INPUT, "%s: %s is %g; it must be -1 to 1", path,
-                              MCV_EXR_CHANNELS, shared);
-    }
+    mcv_result result = MCV_OK;
+    *exr = (mcv_exr){0};
+    MCV_TRY(load(path, &bytes, &size, &header, error));
+    if (!counted)
+        result = mcv_memory_check_image(path, pixels_of(&header),
+                                        size + mcv_exr_reading_bytes(&header), error);
+    /* The attributes change owners. */
+    exr->attributes = header.attributes;
+    exr->attribute_count = header.attribute_count;
+    header.attributes = NULL;
+    header.attribute_count = 0;
+    if (result == MCV_OK) result = read_pixels(path, bytes, size, &header, exr, error);
+    mcv_exr_header_free(&header);
     free(bytes);
     if (result != MCV_OK) mcv_exr_free(exr);
     return result;
 }
 
-mcv_result mcv_exr_size(const char *path, uint64_t *values, uint64_t *pixels, mcv_error *error) {
+mcv_result mcv_exr_read(const char *path, mcv_exr *exr, mcv_error *error) {
+    return read_file(path, false, exr, error);
+}
+
+mcv_result mcv_exr_read_counted(const char *path, mcv_exr *exr, mcv_error *error) {
+    return read_file(path, true, exr, error);
+}
+
+mcv_result mcv_exr_size(const char *path, uint64_t *pixels, uint64_t *reading, mcv_error *error) {
     uint8_t *bytes;
     size_t size;
     mcv_exr_header header;
-    MCV_TRY(mcv_file_load(path, &bytes, &size, error));
-    const mcv_result result = mcv_exr_header_read(path, bytes, size, &header, error);
+    MCV_TRY(load(path, &bytes, &size, &header, error));
     free(bytes);
-    MCV_TRY(result);
-    *values = 0;
-    *pixels = (uint64_t)header.parts[0].width * header.parts[0].height;
-    for (uint32_t p = 0; p < header.part_count; ++p)
-        *values += (uint64_t)header.parts[p].width * header.parts[p].height *
-                   header.parts[p].channel_count;
+    *pixels = pixels_of(&header);
+    *reading = mcv_exr_reading_bytes(&header);
     mcv_exr_header_free(&header);
     return MCV_OK;
 }

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Grey values as NPY arrays (numpy.lib.format, version 1.0), little-endian. */
+#include "core/memory_limit.h"
 #include "core/output_file.h"
 #include "io/values.h"
-#include "scene/memory.h"
 
 #include <math.h>
 #include <stdio.h>
@@ -71,7 +71,7 @@ static double element(const uint8_t *bytes, char kind, size_t size) {
     return single;
 }
 
-/* "(480, 640)": how many numbers there are. */
+/* "(480, 640)": how many numbers there are; 0 where it is none, or has more. */
 static int read_shape(const char *header, unsigned long shape[MAX_DIMENSIONS]) {
     const char *c = value_of(header, "shape");
     int count = 0;
@@ -79,12 +79,13 @@ static int read_shape(const char *header, unsigned long shape[MAX_DIMENSIONS]) {
     for (++c; count < MAX_DIMENSIONS; ++c) {
         char *end;
         const unsigned long number = strtoul(c, &end, 10);
-        if (end == c) return count;
+        if (end == c) break;
         shape[count++] = number;
         c = end;
-        if (*c != ',') return count;
+        if (*c != ',') break;
     }
-    return count;
+    c += strspn(c, " ");
+    return *c == ')' ? count : 0;
 }
 
 static mcv_result decode(const char *path, const uint8_t *bytes, size_t size, mcv_image *image,
@@ -99,7 +100,7 @@ static mcv_result decode(const char *path, const uint8_t *bytes, size_t size, mc
     const int dimensions = read_shape(header, shape);
     const char *type = value_of(header, "descr"); /* '<u2' */
     char kind = '\0';
-    if (strlen(type) > 4) kind = type[2];
+    if (strlen(type) > 4 && type[4] == type[0]) kind = type[2];
     const size_t item = kind ? (size_t)(type[3] - '0') : 0;
     const bool known =
         kind && (type[1] == '<' || type[1] == '|') &&
@@ -118,7 +119,7 @@ static mcv_result decode(const char *path, const uint8_t *bytes, size_t size, mc
     if (size - start - length < plane * channels * item)
         return mcv_fail(error, MCV_BAD_INPUT, "%s: is truncated: %zu of %zu bytes of values", path,
                         size - start - length, plane * channels * item);
-    MCV_TRY(mcv_memory_check_image(path, plane, plane * channels, error));
+    MCV_TRY(mcv_memory_check_image(path, plane, size + sizeof(float) * plane * channels, error));
     MCV_TRY(mcv_image_new(image, width, height, channels, error));
     const uint8_t *values = bytes + start + length;
     for (size_t i = 0; i < plane * channels; ++i)

@@ -2,10 +2,10 @@
 #include "io/png.h"
 
 #include "core/basics.h"
+#include "core/memory_limit.h"
 #include "core/output_file.h"
 #include "io/values.h"
 #include "scene/camera_model.h"
-#include "scene/memory.h"
 
 #include <math.h>
 #include <png.h>
@@ -287,6 +287,13 @@ static bool find_chunk(const uint8_t *bytes, size_t size, const char *name) {
     return false;
 }
 
+/* Passes over what is not needed: packed texts and profiles grow up to a thousandfold. Our own text
+ * is not packed. */
+static void hide_chunks(png_structp png) {
+    png_set_keep_unknown_chunks(png, PNG_HANDLE_CHUNK_NEVER, NULL, -1);
+    png_set_keep_unknown_chunks(png, PNG_HANDLE_CHUNK_AS_DEFAULT, (png_const_bytep) "tEXt", 1);
+}
+
 /* Deflate makes at most so many bytes of one. */
 #define LARGEST_GAIN 1032
 
@@ -306,6 +313,7 @@ static void decode(source *s) {
         if (s->size >= 8 && png_sig_cmp(s->bytes, 0, 8) == 0 &&
             !find_chunk(s->bytes, s->size, NULL))
             png_error(png, "it ends early");
+        hide_chunks(png);
         png_read_info(png, info);
         /* As coded: colours of a palette and bits of a pixel become several bytes. */
         const size_t coded = png_get_rowbytes(png, info) * png_get_image_height(png, info);
@@ -319,9 +327,10 @@ static void decode(source *s) {
         s->height = png_get_image_height(png, info);
         s->channels = png_get_channels(png, info);
         s->bits = png_get_bit_depth(png, info);
-        const size_t row = png_get_rowbytes(png, info), pixels = (size_t)s->width * s->height;
+        const size_t row = png_get_rowbytes(png, info), pixels = (size_t)s->width * s->height,
+                     values = pixels * (s->channels < 3 ? 1 : 3);
         s->result =
-            mcv_memory_check_image(s->path, pixels, pixels * (s->channels < 3 ? 1 : 3), s->error);
+            mcv_memory_check_image(s->path, pixels, s->size + sizeof(float) * values, s->error);
         if (s->result != MCV_OK) png_error(png, "it is too large");
         s->values = malloc(row * s->height);
         if (!s->values) png_error(png, "no memory for its pixels");

@@ -1,8 +1,8 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Grey values as TIFF, by libtiff: uncompressed, one strip a row block, the values as they are. */
+#include "core/memory_limit.h"
 #include "core/output_file.h"
 #include "io/values.h"
-#include "scene/memory.h"
 
 #include <stdarg.h>
 #include <stdio.h>
@@ -145,7 +145,8 @@ static mcv_result decode(TIFF *tiff, const memory *m, const char *path, mcv_imag
         return mcv_fail(error, MCV_BAD_INPUT, "%s: a TIFF of %u x %u pixels cannot be read", path,
                         width, height);
     const size_t pixels = (size_t)width * height;
-    MCV_TRY(mcv_memory_check_image(path, pixels, pixels * channels, error));
+    MCV_TRY(
+        mcv_memory_check_image(path, pixels, m->size + sizeof(float) * pixels * channels, error));
     uint8_t *values = malloc(row * height);
     mcv_result result = values ? MCV_OK
                                : mcv_fail(error, MCV_FAILED, "%s: no memory for %u x %u pixels",
@@ -162,9 +163,41 @@ static mcv_result decode(TIFF *tiff, const memory *m, const char *path, mcv_imag
     return result;
 }
 
+static uint64_t number_at(const memory *m, uint64_t at, int count) {
+    uint64_t number = 0;
+    for (int i = 0; i < count; ++i) {
+        const int place = m->bytes[0] == 'I' ? count - 1 - i : i; /* little endian, or big */
+        number = number << 8 | m->bytes[at + (uint64_t)place];
+    }
+    return number;
+}
+
+/* Can the values of the first image's tags lie in the file side by side? libtiff takes memory for
+ * each, and hostile tags share theirs. Where there is no list of tags, libtiff says so. */
+static bool tags_fit(const memory *m) {
+    static const uint8_t sizes[] = {1, 1, 1, 2, 4, 8, 1, 1, 2, 4, 8, 4, 8, 4, 1, 1, 8, 8, 8};
+    if (m->size < 16) return true;
+    const bool big = number_at(m, 2, 2) == 43; /* BigTIFF */
+    const int word = big ? 8 : 4, entry = big ? 20 : 12, head = big ? 8 : 2;
+    const uint64_t list = number_at(m, big ? 8 : 4, word);
+    uint64_t sum = 0;
+    if (list > m->size - (uint64_t)head) return true;
+    uint64_t tags = number_at(m, list, head), at = list + (uint64_t)head;
+    for (; tags > 0 && m->size - at >= (uint64_t)entry; --tags, at += (uint64_t)entry) {
+        const uint64_t type = number_at(m, at + 2, 2), count = number_at(m, at + 4, word);
+        const uint64_t bytes = type < sizeof sizes ? sizes[type] : 1;
+        if (count > (m->size - sum) / bytes) return false;
+        if (count * bytes > (uint64_t)word) sum += count * bytes;
+    }
+    return true;
+}
+
 mcv_result mcv_tiff_read_values(const char *path, mcv_image *image, mcv_error *error) {
     memory m = {0};
     mcv_result result = mcv_file_load(path, &m.bytes, &m.size, error);
+    if (result == MCV_OK && !tags_fit(&m))
+        result = mcv_fail(error, MCV_BAD_INPUT,
+                          "%s: damaged TIFF file: its tags have more bytes than the file", path);
     TIFF *tiff = result == MCV_OK ? open_memory(&m, "rm") : NULL; /* m: not by mmap */
     if (result == MCV_OK && !tiff)
         result = mcv_fail(error, MCV_BAD_INPUT, "%s: not a TIFF file: %s", path, m.message);

@@ -122,7 +122,7 @@ static mcv_result count_exr(mcv_loader *loader, size_t index, const char *uri,
         json_object_get(mcv_json_extension(loader->root, "MCVISI_emitters"), "emitters");
     const mcv_json_path here = mcv_json_path_key(place, "image");
     uint32_t earlier;
-    uint64_t file, values, pixels;
+    uint64_t file, pixels, reading;
     char *path;
     mcv_error cause = {""};
     mcv_memory *memory = loader->memory;
@@ -136,12 +136,12 @@ static mcv_result count_exr(mcv_loader *loader, size_t index, const char *uri,
         result = mcv_fail_at(&here, error, "\"%s%s", uri, named ? named + strlen(path) : "\"");
     }
     if (result == MCV_OK) result = mcv_memory_take(memory, &memory->files, file, &here, error);
-    if (result == MCV_OK && mcv_exr_size(path, &values, &pixels, &cause) != MCV_OK)
+    if (result == MCV_OK && mcv_exr_size(path, &pixels, &reading, &cause) != MCV_OK)
         result =
             mcv_fail_at(&here, error, "\"%s\" cannot be read as an image: %s", uri, cause.text);
     free(path);
     MCV_TRY(result);
-    return mcv_memory_take(memory, &memory->images, sizeof(float) * (values + 6 * pixels), &here,
+    return mcv_memory_take(memory, &memory->images, reading + 6 * sizeof(float) * pixels, &here,
                            error);
 }
 
@@ -190,7 +190,7 @@ static mcv_result load_exr(mcv_loader *loader, const char *uri, mcv_texture *tex
     mcv_exr exr;
     mcv_error cause = {""};
     MCV_TRY(mcv_file_resolve(loader->file.key, uri, &path, place, error));
-    mcv_result result = mcv_exr_read(path, &exr, &cause);
+    mcv_result result = mcv_exr_read_counted(path, &exr, &cause);
     free(path);
     if (result != MCV_OK)
         return mcv_fail_at(place, error, "\"%s\" cannot be read as an image: %s", uri, cause.text);

@@ -1,29 +1,6 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 #include "scene/memory.h"
 
-#include <sys/resource.h>
-#include <unistd.h>
-
-uint64_t mcv_memory_default(void) {
-    const long pages = sysconf(_SC_PHYS_PAGES), page = sysconf(_SC_PAGESIZE);
-    uint64_t memory = pages > 0 && page > 0 ? (uint64_t)pages * (uint64_t)page : 1ull << 32;
-    struct rlimit space;
-    if (getrlimit(RLIMIT_AS, &space) == 0 && space.rlim_cur != RLIM_INFINITY &&
-        space.rlim_cur < memory)
-        memory = space.rlim_cur;
-    return memory / 2;
-}
-
-mcv_result mcv_memory_check_image(const char *path, uint64_t pixels, uint64_t values,
-                                  mcv_error *error) {
-    const uint64_t bytes = 4 * values + 12 * pixels, most = mcv_memory_default();
-    if (bytes <= most) return MCV_OK;
-    return mcv_fail(error, MCV_BAD_INPUT,
-                    "%s: an image of %.4g million pixels takes %.4g MB, more than the limit of "
-                    "%.4g MB, half of the memory of the machine or process",
-                    path, 1e-6 * (double)pixels, 1e-6 * (double)bytes, 1e-6 * (double)most);
-}
-
 uint64_t mcv_memory_total(const mcv_memory *memory) {
     return memory->files + memory->images + memory->geometry;
 }

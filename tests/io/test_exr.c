@@ -330,8 +330,6 @@ static void test_damage_is_reported(void **state) {
     assert_false(survives("/dev/zero"));
 }
 
-/* The channels of a picture correlate by -1 to 1: the ends are read, what lies beyond is refused.
- */
 /* Puts `count` bytes of attributes behind the version of a file of one part and one chunk. */
 static void insert_attributes(const char *attributes, size_t count) {
     size_t size, table = 8;
@@ -378,6 +376,8 @@ static void test_attributes_that_nobody_needs(void **state) {
     unlink(PATH);
 }
 
+/* The channels of a picture correlate by -1 to 1: the ends are read, what lies beyond is refused.
+ */
 static void test_correlation_of_channels(void **state) {
     static const double values[] = {-1, 1, -1.001, 1e300, NAN};
     mcv_image image = new_image(3, 2, 3);

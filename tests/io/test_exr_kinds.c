@@ -9,6 +9,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 void write_kind(const char *path, int width, int height, const float *rgb, int compression,
@@ -105,8 +106,91 @@ static void test_damaged_tiles(void **state) {
     unlink(path);
 }
 
+/* Makes the tiles of a file 32768 x 16383 pixels large. */
+static void enlarge_tiles(const char *path) {
+    static const char key[] = "tiles\0tiledesc\0\11\0\0";
+    static uint8_t bytes[1 << 16];
+    FILE *file = fopen(path, "r+b");
+    assert_non_null(file);
+    const size_t size = fread(bytes, 1, sizeof bytes, file);
+    size_t at = 0;
+    while (at + sizeof key < size && memcmp(bytes + at, key, sizeof key) != 0) ++at;
+    assert_true(at + sizeof key < size);
+    memcpy(bytes + at + sizeof key, "\0\200\0\0\377\77\0\0", 8);
+    rewind(file);
+    assert_int_equal(fwrite(bytes, 1, size, file), size);
+    assert_int_equal(fclose(file), 0);
+}
+
+/* Allows so many addresses more than those in use; the limit of before is the answer. */
+static struct rlimit allow(rlim_t more) {
+    char line[128] = "";
+    struct rlimit before;
+    FILE *file = fopen("/proc/self/statm", "r");
+    assert_true(file && fgets(line, sizeof line, file));
+    fclose(file);
+    assert_int_equal(getrlimit(RLIMIT_AS, &before), 0);
+    struct rlimit now = before;
+    now.rlim_cur = strtoul(line, NULL, 10) * (rlim_t)sysconf(_SC_PAGESIZE) + more;
+#ifndef __SANITIZE_ADDRESS__ /* which takes addresses of its own */
+    assert_int_equal(setrlimit(RLIMIT_AS, &now), 0);
+#endif
+    return before;
+}
+
+/* A tile may be larger than its image: it takes what the image does, not gigabytes. */
+static void test_tiles_larger_than_the_image(void **state) {
+    (void)state;
+    enum { SMALL_WIDTH = 13, SMALL_HEIGHT = 11, SMALL_VALUES = 3 * SMALL_WIDTH * SMALL_HEIGHT };
+    const char *path = "large_tiles.exr";
+    float rgb[SMALL_VALUES], read[SMALL_VALUES];
+    for (int i = 0; i < SMALL_VALUES; ++i) rgb[i] = (float)i / SMALL_VALUES;
+    for (int compression = 0; compression < 10; ++compression)
+        for (int levels = 0; levels < 3; ++levels) {
+            mcv_exr exr;
+            mcv_error error = {""};
+            write_kind(path, SMALL_WIDTH, SMALL_HEIGHT, rgb, compression, 1, levels);
+            read_kind(path, SMALL_WIDTH, SMALL_HEIGHT, read);
+            enlarge_tiles(path);
+            const struct rlimit before = allow((rlim_t)64 << 20);
+            const mcv_result result = mcv_exr_read(path, &exr, &error);
+            assert_int_equal(setrlimit(RLIMIT_AS, &before), 0);
+            if (result != MCV_OK) fail_msg("%s: %s", compressions[compression], error.text);
+            assert_memory_equal(exr.parts[0].image.pixels, read, sizeof read);
+            mcv_exr_free(&exr);
+        }
+    unlink(path);
+}
+
+/* An image for which there is memory to be read, but not half of it to be measured: it is read
+ * where the caller counts. 50 MB of values, and 12 bytes for each of 4.2 million pixels. */
+static void test_counted(void **state) {
+    (void)state;
+#ifdef __SANITIZE_ADDRESS__
+    skip(); /* there is no limit */
+#endif
+    enum { SIDE = 2048 };
+    const char *path = "counted.exr";
+    float *rgb = calloc((size_t)3 * SIDE * SIDE, sizeof *rgb);
+    mcv_exr exr;
+    mcv_error error = {""};
+    assert_non_null(rgb);
+    write_kind(path, SIDE, SIDE, rgb, 3, 0, -1);
+    free(rgb);
+    const struct rlimit before = allow((rlim_t)80 << 20);
+    const mcv_result result = mcv_exr_read(path, &exr, &error),
+                     counted = mcv_exr_read_counted(path, &exr, &error);
+    assert_int_equal(setrlimit(RLIMIT_AS, &before), 0);
+    assert_int_equal(result, MCV_BAD_INPUT);
+    if (counted != MCV_OK) fail_msg("%s", error.text);
+    assert_int_equal(exr.parts[0].image.width, SIDE);
+    mcv_exr_free(&exr);
+    unlink(path);
+}
+
 int main(void) {
-    const struct CMUnitTest tests[] = {cmocka_unit_test(test_every_kind),
-                                       cmocka_unit_test(test_damaged_tiles)};
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_every_kind), cmocka_unit_test(test_tiles_larger_than_the_image),
+        cmocka_unit_test(test_counted), cmocka_unit_test(test_damaged_tiles)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
