@@ -234,7 +234,9 @@ mcv_result mcv_file_load(const char *path, uint8_t **bytes, size_t *size, mcv_er
     MCV_TRY(open_regular(path, &descriptor, &whole, error));
     const uint64_t half = mcv_memory_default(), most = half < LARGEST_INPUT ? half : LARGEST_INPUT;
     if (whole > most) {
-        result = mcv_fail(error, MCV_BAD_INPUT, "%s: is larger than %.4g MB, the limit for a file",
+        result = mcv_fail(error, MCV_BAD_INPUT,
+                          "%s: is larger than %.4g MB, the limit for a file: 4 GiB, or half of the "
+                          "memory of the machine or process",
                           path, 1e-6 * (double)most);
     } else if (!(*bytes = malloc((size_t)whole + 1))) {
         result = mcv_fail(error, MCV_FAILED, "%s: no memory for its %llu bytes", path,

@@ -12,6 +12,9 @@ enum { MAX_EXPANSION = 1032, MAX_EXPANSION_DWA = 64 * 1032 };
  */
 enum { CHUNK_COPIES = 3 };
 
+/* How often an attribute is kept (measured: 3.9, of a text of part 0). */
+enum { ATTRIBUTE_COPIES = 4 };
+
 /* A level of a tiled image: its size, its tiles and where it stands. */
 typedef struct tile_level {
     uint32_t x, y, width, height, tiles_x, tiles_y;
@@ -80,12 +83,13 @@ static uint64_t pixel_bytes(const mcv_exr_part_header *part) {
 }
 
 uint64_t mcv_exr_reading_bytes(const mcv_exr_header *header) {
-    uint64_t bytes = 0;
+    uint64_t bytes = ATTRIBUTE_COPIES * header->attribute_bytes;
     for (uint32_t p = 0; p < header->part_count; ++p) {
         const mcv_exr_part_header *part = &header->parts[p];
-        const uint64_t chunk = part->tiled
-                                   ? (uint64_t)part->tile_width * part->tile_height
-                                   : (uint64_t)part->width * lines_per_chunk(part->compression);
+        const uint32_t lines = lines_per_chunk(part->compression);
+        const uint64_t chunk =
+            part->tiled ? (uint64_t)part->tile_width * part->tile_height
+                        : (uint64_t)part->width * (lines < part->height ? lines : part->height);
         bytes += sizeof(float) * part->channel_count * part->width * part->height +
                  CHUNK_COPIES * pixel_bytes(part) * chunk;
     }

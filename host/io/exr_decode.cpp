@@ -6,7 +6,6 @@
 #include <ImfIO.h>
 #include <ImfInputPart.h>
 #include <ImfMultiPartInputFile.h>
-#include <ImfPartType.h>
 #include <ImfTiledInputPart.h>
 
 #include <cstring>
@@ -55,7 +54,7 @@ void decode_part(Imf::MultiPartInputFile &file, int index, const mcv_exr_part &p
                                        static_cast<int64_t>(height), sizeof(float),
                                        width * sizeof(float)));
     /* InputPart reads tiles, too, but keeps a row of them. */
-    if (file.header(index).type() == Imf::TILEDIMAGE) {
+    if (file.header(index).type() == "tiledimage") {
         Imf::TiledInputPart input(file, index);
         input.setFrameBuffer(planes);
         input.readTiles(0, input.numXTiles(0) - 1, 0, input.numYTiles(0) - 1);

@@ -265,6 +265,7 @@ static mcv_result read_part(mcv_exr_reader *r, mcv_exr_header *header) {
                 return mcv_exr_damaged(r, "an attribute occurs twice");
         }
         names[count] = a.name;
+        header->attribute_bytes += a.size;
         MCV_TRY(read_essential(r, &a, part, &seen));
         if (first && !is_structure(&a)) MCV_TRY(keep_attribute(r, &a, header));
     }

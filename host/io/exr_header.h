@@ -48,6 +48,7 @@ typedef struct mcv_exr_header {
     uint32_t part_count;
     mcv_attribute *attributes; /* of part 0; owned */
     uint32_t attribute_count;
+    uint64_t attribute_bytes; /* of all parts */
 } mcv_exr_header;
 
 /*
@@ -67,8 +68,8 @@ void mcv_exr_header_free(mcv_exr_header *header);
  */
 void mcv_exr_simplify(uint8_t *bytes, size_t size, const mcv_exr_header *header);
 
-/* The bytes that reading takes beside the file: of pixels, and of what OpenEXR keeps of each part
- * until it has read all. */
+/* The bytes that reading takes beside the file: of pixels, of attributes, and of what OpenEXR keeps
+ * of each part until it has read all. */
 uint64_t mcv_exr_reading_bytes(const mcv_exr_header *header);
 
 /* A file in memory while its header is read: `at` is the next byte. */

@@ -14,6 +14,7 @@
 typedef struct memory {
     uint8_t *bytes;
     size_t size, capacity, at;
+    uint64_t tags;     /* the bytes that libtiff takes for the tags of the first image */
     char message[256]; /* what libtiff says goes into the sentence that we return */
 } memory;
 
@@ -145,8 +146,8 @@ static mcv_result decode(TIFF *tiff, const memory *m, const char *path, mcv_imag
         return mcv_fail(error, MCV_BAD_INPUT, "%s: a TIFF of %u x %u pixels cannot be read", path,
                         width, height);
     const size_t pixels = (size_t)width * height;
-    MCV_TRY(
-        mcv_memory_check_image(path, pixels, m->size + sizeof(float) * pixels * channels, error));
+    MCV_TRY(mcv_memory_check_image(path, pixels,
+                                   m->size + m->tags + sizeof(float) * pixels * channels, error));
     uint8_t *values = malloc(row * height);
     mcv_result result = values ? MCV_OK
                                : mcv_fail(error, MCV_FAILED, "%s: no memory for %u x %u pixels",
@@ -166,38 +167,42 @@ static mcv_result decode(TIFF *tiff, const memory *m, const char *path, mcv_imag
 static uint64_t number_at(const memory *m, uint64_t at, int count) {
     uint64_t number = 0;
     for (int i = 0; i < count; ++i) {
-        const int place = m->bytes[0] == 'I' ? count - 1 - i : i; /* little endian, or big */
+        const int place = m->bytes[0] == 'M' ? i : count - 1 - i; /* big endian, or little */
         number = number << 8 | m->bytes[at + (uint64_t)place];
     }
     return number;
 }
 
-/* Can the values of the first image's tags lie in the file side by side? libtiff takes memory for
- * each, and hostile tags share theirs. Where there is no list of tags, libtiff says so. */
-static bool tags_fit(const memory *m) {
-    static const uint8_t sizes[] = {1, 1, 1, 2, 4, 8, 1, 1, 2, 4, 8, 4, 8, 4, 1, 1, 8, 8, 8};
-    if (m->size < 16) return true;
-    const bool big = number_at(m, 2, 2) == 43; /* BigTIFF */
-    const int word = big ? 8 : 4, entry = big ? 20 : 12, head = big ? 8 : 2;
-    const uint64_t list = number_at(m, big ? 8 : 4, word);
-    uint64_t sum = 0;
-    if (list > m->size - (uint64_t)head) return true;
-    uint64_t tags = number_at(m, list, head), at = list + (uint64_t)head;
-    for (; tags > 0 && m->size - at >= (uint64_t)entry; --tags, at += (uint64_t)entry) {
-        const uint64_t type = number_at(m, at + 2, 2), count = number_at(m, at + 4, word);
-        const uint64_t bytes = type < sizeof sizes ? sizes[type] : 1;
-        if (count > (m->size - sum) / bytes) return false;
-        if (count * bytes > (uint64_t)word) sum += count * bytes;
+/* Finds what libtiff takes for the tags of the first image: their values, and once more those of
+ * the largest. Values have their places in the file side by side: hostile tags share them. libtiff
+ * passes over tags that cannot lie in the file, and tells where there is no list of them. */
+static mcv_result count_tags(const char *path, memory *m, mcv_error *error) {
+    static const uint8_t sizes[] = {0, 1, 1, 2, 4, 8, 1, 1, 2, 4, 8, 4, 8, 4, 0, 0, 8, 8, 8};
+    if (m->size < 16) return MCV_OK;
+    const bool large = number_at(m, 2, 2) == 43; /* BigTIFF */
+    const uint64_t word = large ? 8 : 4, entry = large ? 20 : 12, head = large ? 8 : 2;
+    const uint64_t list = number_at(m, large ? 8 : 4, (int)word);
+    uint64_t sum = 0, largest = 0;
+    if (list > m->size - head) return MCV_OK;
+    uint64_t tags = number_at(m, list, (int)head), at = list + head;
+    for (; tags > 0 && m->size - at >= entry; --tags, at += entry) {
+        const uint64_t type = number_at(m, at + 2, 2), count = number_at(m, at + 4, (int)word);
+        const uint64_t each = type < sizeof sizes ? sizes[type] : 0;
+        if (each == 0 || count > m->size / each || count * each <= word) continue;
+        sum += count * each;
+        if (count * each > largest) largest = count * each;
+        if (sum > m->size)
+            return mcv_fail(error, MCV_BAD_INPUT,
+                            "%s: damaged TIFF file: its tags have more bytes than the file", path);
     }
-    return true;
+    m->tags = sum + largest;
+    return mcv_memory_check_image(path, 0, m->size + m->tags, error);
 }
 
 mcv_result mcv_tiff_read_values(const char *path, mcv_image *image, mcv_error *error) {
     memory m = {0};
     mcv_result result = mcv_file_load(path, &m.bytes, &m.size, error);
-    if (result == MCV_OK && !tags_fit(&m))
-        result = mcv_fail(error, MCV_BAD_INPUT,
-                          "%s: damaged TIFF file: its tags have more bytes than the file", path);
+    if (result == MCV_OK) result = count_tags(path, &m, error);
     TIFF *tiff = result == MCV_OK ? open_memory(&m, "rm") : NULL; /* m: not by mmap */
     if (result == MCV_OK && !tiff)
         result = mcv_fail(error, MCV_BAD_INPUT, "%s: not a TIFF file: %s", path, m.message);

@@ -376,6 +376,28 @@ static void test_attributes_that_nobody_needs(void **state) {
     unlink(PATH);
 }
 
+/* Attributes are kept by OpenEXR and by us, and count. */
+static void test_attributes_count(void **state) {
+    (void)state;
+    enum { LONG = 10000 };
+    char text[LONG + 1];
+    mcv_exr_part part = {.name = "image", .image = new_image(9, 13, 1)};
+    mcv_error error = {""};
+    uint64_t pixels, reading[2];
+    memset(text, 'a', LONG);
+    for (int i = 0; i < 2; ++i) {
+        text[i == 0 ? 0 : LONG] = '\0';
+        const mcv_attribute told = {.name = "comments", .text = text};
+        write_parts(&part, 1, &told, 1);
+        assert_int_equal(mcv_exr_size(PATH, &pixels, reading + i, &error), MCV_OK);
+        text[0] = 'a';
+    }
+    assert_int_equal(pixels, 9 * 13);
+    assert_int_equal(reading[1] - reading[0], 4 * LONG);
+    mcv_image_free(&part.image);
+    unlink(PATH);
+}
+
 /* The channels of a picture correlate by -1 to 1: the ends are read, what lies beyond is refused.
  */
 static void test_correlation_of_channels(void **state) {
@@ -453,6 +475,7 @@ int main(void) {
         cmocka_unit_test(test_writing_refuses_by_name),
         cmocka_unit_test(test_damage_is_reported),
         cmocka_unit_test(test_attributes_that_nobody_needs),
+        cmocka_unit_test(test_attributes_count),
         cmocka_unit_test(test_correlation_of_channels),
         cmocka_unit_test(test_collected_files),
     };

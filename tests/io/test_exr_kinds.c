@@ -162,6 +162,26 @@ static void test_tiles_larger_than_the_image(void **state) {
     unlink(path);
 }
 
+/* What reading takes, without its attributes: values, and three times a chunk, which has no more
+ * lines than the image. */
+static void test_chunks_count(void **state) {
+    (void)state;
+    enum { LINES = 3, CHANNELS = 3 };
+    const char *path = "counted_chunks.exr";
+    float rgb[CHANNELS * WIDTH * LINES] = {0};
+    mcv_error error = {""};
+    uint64_t pixels, reading, one_line;
+    write_kind(path, WIDTH, LINES, rgb, 2, 0, -1); /* ZIPS: one line */
+    assert_int_equal(mcv_exr_size(path, &pixels, &one_line, &error), MCV_OK);
+    assert_int_equal(pixels, WIDTH * LINES);
+    write_kind(path, WIDTH, LINES, rgb, 9, 0, -1); /* DWAB: up to 256 */
+    assert_int_equal(mcv_exr_size(path, &pixels, &reading, &error), MCV_OK);
+    /* OpenEXR adds the attribute dwaCompressionLevel, of 4 bytes, which are kept four times. */
+    const uint64_t lines = (LINES - 1) * WIDTH * CHANNELS * sizeof(float);
+    assert_in_range(reading - one_line, 3 * lines, 3 * lines + 16);
+    unlink(path);
+}
+
 /* An image for which there is memory to be read, but not half of it to be measured: it is read
  * where the caller counts. 50 MB of values, and 12 bytes for each of 4.2 million pixels. */
 static void test_counted(void **state) {
@@ -191,6 +211,7 @@ static void test_counted(void **state) {
 int main(void) {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_every_kind), cmocka_unit_test(test_tiles_larger_than_the_image),
-        cmocka_unit_test(test_counted), cmocka_unit_test(test_damaged_tiles)};
+        cmocka_unit_test(test_counted), cmocka_unit_test(test_chunks_count),
+        cmocka_unit_test(test_damaged_tiles)};
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -5,6 +5,7 @@
 
 #include "io/exr.h"
 #include "io/values.h"
+#include "scene/camera_model.h"
 #include "core/memory_limit.h"
 
 #include <png.h>
@@ -203,6 +204,41 @@ static void test_packed_texts(void **state) {
     assert_int_equal(unlink(path), 0);
 }
 
+/* The text of our key is found as another program may pack it, beside others. */
+static void test_kinds_of_text(void **state) {
+    (void)state;
+    static const int kinds[] = {PNG_TEXT_COMPRESSION_NONE, PNG_TEXT_COMPRESSION_zTXt,
+                                PNG_ITXT_COMPRESSION_NONE, PNG_ITXT_COMPRESSION_zTXt};
+    const char *path = "image_limits_kind.png";
+    for (size_t i = 0; i < sizeof kinds / sizeof kinds[0]; ++i) {
+        png_text texts[2] = {
+            {.compression = kinds[(i + 1) % 4], .key = (char[]){"other"}, .text = (char[]){"x"}},
+            {.compression = kinds[i],
+             .key = (char[]){MCV_CAMERA_MODEL_KEY},
+             .text = (char[]){"y"}}};
+        FILE *file = fopen(path, "wb");
+        png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, NULL, NULL, NULL);
+        png_infop info = png ? png_create_info_struct(png) : NULL;
+        mcv_image image = {0};
+        mcv_error error = {""};
+        assert_true(file && info);
+        png_init_io(png, file);
+        png_set_IHDR(png, info, 1, 1, 8, PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE,
+                     PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+        png_set_text(png, info, texts, 2);
+        png_write_info(png, info);
+        png_write_row(png, (png_const_bytep) "z");
+        png_write_end(png, NULL);
+        png_destroy_write_struct(&png, &info);
+        assert_int_equal(fclose(file), 0);
+        if (mcv_values_read(path, &image, &error) != MCV_OK) fail_msg("%s", error.text);
+        if (!image.description || strcmp(image.description, "y") != 0)
+            fail_msg("kind %d: %s", kinds[i], image.description ? image.description : "no text");
+        mcv_image_free(&image);
+    }
+    assert_int_equal(unlink(path), 0);
+}
+
 /* A TIFF of one row in libtiff's mode; all tags but those of the image are `count` times 40000. */
 static void write_tags(const char *path, const char *mode, uint16_t count) {
     static const uint8_t row[SMALL] = {1, 2, 3, 4, 5, 6, 7, 8};
@@ -223,6 +259,13 @@ static void write_tags(const char *path, const char *mode, uint16_t count) {
     TIFFClose(tiff);
 }
 
+static void begin_with(const char *path, const char *letters) {
+    FILE *file = fopen(path, "r+b");
+    assert_non_null(file);
+    assert_int_equal(fwrite(letters, 1, strlen(letters), file), strlen(letters));
+    assert_int_equal(fclose(file), 0);
+}
+
 static mcv_result read_tiff(const char *path, mcv_error *error) {
     mcv_image image = {0};
     const mcv_result result = mcv_values_read(path, &image, error);
@@ -235,7 +278,7 @@ static mcv_result read_tiff(const char *path, mcv_error *error) {
  * are refused: libtiff would take memory for each. */
 static void test_tags_that_share_bytes(void **state) {
     (void)state;
-    static const char *const modes[] = {"wl", "wb", "w8l", "w8b"};
+    static const char *const modes[] = {"wl", "wb", "w8l", "w8b", "wl (EP)"};
     const char *path = "image_limits_tags.tif";
     for (size_t i = 0; i < sizeof modes / sizeof modes[0]; ++i) {
         static uint8_t bytes[1 << 18];
@@ -243,6 +286,7 @@ static void test_tags_that_share_bytes(void **state) {
         const size_t word = is_large ? 8 : 4, entry = is_large ? 20 : 12;
         mcv_error error = {""};
         write_tags(path, modes[i], 3);
+        if (strstr(modes[i], "EP")) begin_with(path, "EP"); /* which libtiff takes for "II" */
         if (read_tiff(path, &error) != MCV_OK) fail_msg("%s: %s", modes[i], error.text);
         /* Four times the bytes: all of them lie in the file still, shared by the tags. */
         FILE *file = fopen(path, "r+b");
@@ -304,8 +348,11 @@ static void test_npy_headers(void **state) {
 
 int main(void) {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_packed_texts), cmocka_unit_test(test_tags_that_share_bytes),
-        cmocka_unit_test(test_npy_headers),  cmocka_unit_test(test_large_images_are_refused),
+        cmocka_unit_test(test_packed_texts),
+        cmocka_unit_test(test_kinds_of_text),
+        cmocka_unit_test(test_tags_that_share_bytes),
+        cmocka_unit_test(test_npy_headers),
+        cmocka_unit_test(test_large_images_are_refused),
         cmocka_unit_test(test_limit),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
