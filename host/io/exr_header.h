@@ -62,7 +62,7 @@ void mcv_exr_header_free(mcv_exr_header *header);
 
 /*
  * Gives all attributes that decoding does not need a type that OpenEXR does not know, in a file
- * whose header was read. OpenEXR then passes over them by their size. It takes those of known types
+ * whose header was read. OpenEXR then keeps their bytes as they are. It takes those of known types
  * by what they say of themselves: a preview or a manifest of 20 bytes asks for gigabytes, and an
  * integer of 8 bytes moves all that follows. Tiles get the sizes of the header.
  */
