@@ -16,6 +16,7 @@ typedef struct source {
     const char *path;
     uint8_t *bytes;
     size_t size, at;
+    size_t texts; /* the bytes that libpng keeps of texts */
     void *values;
     char *description; /* of the file, or NULL */
     uint32_t width, height;
@@ -102,13 +103,12 @@ static const char *kind_of_text(const source *s) {
  * libpng keeps every text, and packed ones grow: their bytes are counted first. */
 static void read_header(source *s, png_structp png, png_infop info) {
     const char *kind = kind_of_text(s);
-    size_t bytes = 0;
-    for (chunk c = {0}; kind && next_chunk(s->bytes, s->size, &c);) {
+    for (chunk c = {0}; kind && next_chunk(s->bytes, s->size, &c) && !is_named(&c, "IDAT");) {
         const size_t grown = kind[0] == 't' ? c.length : c.length * LARGEST_GAIN;
         const size_t most = png_get_chunk_malloc_max(png);
-        if (is_named(&c, kind)) bytes += grown < most ? grown : most;
+        if (is_named(&c, kind)) s->texts += grown < most ? grown : most;
     }
-    s->result = mcv_memory_check_image(s->path, 0, s->size + bytes, s->error);
+    s->result = mcv_memory_check_image(s->path, 0, s->size + s->texts, s->error);
     if (s->result != MCV_OK) png_error(png, "it is too large");
     png_set_keep_unknown_chunks(png, PNG_HANDLE_CHUNK_NEVER, NULL, -1);
     if (kind)
@@ -147,8 +147,8 @@ static void decode(source *s) {
         s->bits = png_get_bit_depth(png, info);
         const size_t row = png_get_rowbytes(png, info), pixels = (size_t)s->width * s->height,
                      values = pixels * (s->channels < 3 ? 1 : 3);
-        s->result =
-            mcv_memory_check_image(s->path, pixels, s->size + sizeof(float) * values, s->error);
+        s->result = mcv_memory_check_image(s->path, pixels,
+                                           s->size + s->texts + sizeof(float) * values, s->error);
         if (s->result != MCV_OK) png_error(png, "it is too large");
         s->values = malloc(row * s->height);
         if (!s->values) png_error(png, "no memory for its pixels");

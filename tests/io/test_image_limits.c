@@ -1,12 +1,13 @@
 /* SPDX-License-Identifier: Apache-2.0 */
 /* Images whose files are small, and whose pixels are more than half of the memory, are refused by
- * their headers, before there is memory for their pixels. What is not their pixels takes none. */
+ * their headers, before there is memory for their pixels. What is not their pixels counts, or takes
+ * none. */
 #include "test.h"
 
+#include "core/memory_limit.h"
 #include "io/exr.h"
 #include "io/values.h"
 #include "scene/camera_model.h"
-#include "core/memory_limit.h"
 
 #include <png.h>
 #include <stdio.h>
@@ -33,6 +34,27 @@ static void write_png(const char *path) {
                  PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
     png_write_info(png, info);
     for (uint32_t y = 0; y < SIDE; ++y) png_write_row(png, row);
+    png_write_end(png, NULL);
+    png_destroy_write_struct(&png, &info);
+    assert_int_equal(fclose(file), 0);
+}
+
+/* One pixel, and 40 texts of our key that say that they are packed: 8000 bytes each, which may grow
+ * to libpng's limit of 8 MB. */
+static void write_texts(const char *path) {
+    enum { TEXTS = 40 };
+    static png_byte text[8000] = MCV_CAMERA_MODEL_KEY;
+    FILE *file = fopen(path, "wb");
+    png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, NULL, NULL, NULL);
+    png_infop info = png ? png_create_info_struct(png) : NULL;
+    assert_true(file && info);
+    png_init_io(png, file);
+    png_set_IHDR(png, info, 1, 1, 8, PNG_COLOR_TYPE_GRAY, PNG_INTERLACE_NONE,
+                 PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+    png_write_info(png, info);
+    for (int i = 0; i < TEXTS; ++i)
+        png_write_chunk(png, (png_const_bytep) "zTXt", text, sizeof text);
+    png_write_row(png, (png_const_bytep) "z");
     png_write_end(png, NULL);
     png_destroy_write_struct(&png, &info);
     assert_int_equal(fclose(file), 0);
@@ -142,9 +164,10 @@ static void test_large_images_are_refused(void **state) {
         const char *reason;
     } cases[] = {
         {"image_limits.png", write_png, "takes 1074 MB, more than the limit of "},
+        {"image_limits_key.png", write_texts, "takes 320.3 MB, more than the limit of "},
         {"image_limits.npy", write_npy, "takes 1141 MB, more than the limit of "}, /* its file */
         {"image_limits.tif", write_tiff, "takes 1074 MB, more than the limit of "},
-        {"image_limits.exr", write_exr, "takes 107"}, /* a chunk */
+        {"image_limits.exr", write_exr, "takes 107"}, /* its file, a chunk */
         {"image_limits.tiff", write_hole, "is larger than "}};
     for (size_t i = 0; i < sizeof cases / sizeof cases[0]; ++i) {
         cases[i].write(cases[i].path);
@@ -239,8 +262,8 @@ static void test_kinds_of_text(void **state) {
     assert_int_equal(unlink(path), 0);
 }
 
-/* A TIFF of one row in libtiff's mode; all tags but those of the image are `count` times 40000. */
-static void write_tags(const char *path, const char *mode, uint16_t count) {
+/* A TIFF of one row in libtiff's mode, with three tags of 40000 bytes. */
+static void write_tags(const char *path, const char *mode) {
     static const uint8_t row[SMALL] = {1, 2, 3, 4, 5, 6, 7, 8};
     static uint8_t values[40000];
     TIFF *tiff = TIFFOpen(path, mode);
@@ -251,10 +274,9 @@ static void write_tags(const char *path, const char *mode, uint16_t count) {
     TIFFSetField(tiff, TIFFTAG_SAMPLESPERPIXEL, 1);
     TIFFSetField(tiff, TIFFTAG_PHOTOMETRIC, PHOTOMETRIC_MINISBLACK);
     TIFFSetField(tiff, TIFFTAG_ROWSPERSTRIP, 1);
-    for (uint16_t i = 0; i < count; ++i) {
-        const uint32_t tags[] = {TIFFTAG_ICCPROFILE, TIFFTAG_PHOTOSHOP, TIFFTAG_XMLPACKET};
-        TIFFSetField(tiff, tags[i], (uint32_t)sizeof values, values);
-    }
+    TIFFSetField(tiff, TIFFTAG_ICCPROFILE, (uint32_t)sizeof values, values);
+    TIFFSetField(tiff, TIFFTAG_PHOTOSHOP, (uint32_t)sizeof values, values);
+    TIFFSetField(tiff, TIFFTAG_XMLPACKET, (uint32_t)sizeof values, values);
     assert_int_equal(TIFFWriteScanline(tiff, (void *)row, 0, 0), 1);
     TIFFClose(tiff);
 }
@@ -285,10 +307,10 @@ static void test_tags_that_share_bytes(void **state) {
         const bool is_large = modes[i][1] == '8', is_little = strchr(modes[i], 'l');
         const size_t word = is_large ? 8 : 4, entry = is_large ? 20 : 12;
         mcv_error error = {""};
-        write_tags(path, modes[i], 3);
+        write_tags(path, modes[i]);
         if (strstr(modes[i], "EP")) begin_with(path, "EP"); /* which libtiff takes for "II" */
         if (read_tiff(path, &error) != MCV_OK) fail_msg("%s: %s", modes[i], error.text);
-        /* Four times the bytes: all of them lie in the file still, shared by the tags. */
+        /* Each tag gets 65344 bytes, which lie in the file: 196 kB in a file of 120 kB. */
         FILE *file = fopen(path, "r+b");
         assert_non_null(file);
         const size_t size = fread(bytes, 1, sizeof bytes, file);
